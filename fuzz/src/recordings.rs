@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use thenar_core::Pose;
 use thenar_core::model::Side;
-use thenar_record::{Header, Kind, Recorder};
+use thenar_record::{FrameKind, Header, Recorder};
 use thenar_rig::hand::{HandOptions, asset, build_hand};
 use thenar_rig::{Model, write_model};
 use thenar_scene::build::wanted_bytes;
@@ -94,7 +94,7 @@ fn is_small(file: &Path) -> Result<bool, ReplayError> {
     let (_, mut frames) = thenar_record::open(file)?;
     while let Some(frame) = frames.next()? {
         let known = beginning().ends_with(frame.body) && !frame.body.is_empty();
-        if frame.kind != Some(Kind::Scene) || known {
+        if frame.kind != Some(FrameKind::Scene) || known {
             continue;
         }
         // What cannot be decoded is refused when it is replayed.

@@ -2,7 +2,7 @@
 
 use crate::error::CliError;
 use std::io::IsTerminal;
-use thenar_serve::http::{Limits, Options, Port, Reach, Server, StartError};
+use thenar_serve::http::{Options, Port, Reach, RequestLimits, Server, StartError};
 use thenar_serve::hub::Hub;
 use thenar_serve::page;
 
@@ -41,7 +41,7 @@ impl PageOptions {
             reach: if self.lan { Reach::Lan } else { Reach::Desk },
             address: None,
             port: self.port.map_or(Port::From(PORT), Port::Exactly),
-            limits: Limits::default(),
+            limits: RequestLimits::default(),
         };
         Ok(Server::start(&options, hub)?)
     }

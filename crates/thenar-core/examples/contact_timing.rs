@@ -6,14 +6,14 @@ mod contact_scene;
 
 use contact_scene::ContactScene;
 use std::time::Instant;
-use thenar_core::kernels::{Detector, Reach, Sides, Site, SurfaceState};
+use thenar_core::kernels::{Detector, Reach, SeenSides, Site, SurfaceState};
 
 fn main() {
     for loaf in [false, true] {
         let mut scene = ContactScene::new(loaf);
         let mut detector = Detector::new(&scene.desc);
         let mut out = Vec::with_capacity(detector.capacity());
-        let [mut seen, mut now] = [(); 2].map(|()| Sides::with_capacity(detector.sides_max()));
+        let [mut seen, mut now] = [(); 2].map(|()| SeenSides::with_capacity(detector.sides_max()));
         let reach = Reach { h: 1.0 / 60.0, margin: 1e-3 };
         let (mut times, mut counts) = (Vec::new(), [0usize; 3]);
         for step in 0..2000 {

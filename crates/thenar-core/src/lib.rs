@@ -29,7 +29,7 @@ pub use world::World;
 
 /// Shapes of rigid bodies.
 pub mod shape {
-    pub use crate::contact::{Distance, DistanceGrid, MeshShape, Part, Shape};
+    pub use crate::contact::{Distance, DistanceGrid, MeshShape, PlacedShape, Shape};
 }
 
 /// Angles, axes and poses of jointed bones, outside any simulation.
@@ -45,7 +45,7 @@ pub mod kinematics {
 /// world needs none of them.
 pub mod kernels {
     pub use crate::contact::{
-        Detector, HeldPlace, Reach, RigidPlace, Side, Sides, Site, SurfaceState,
+        Detector, HeldPlace, Reach, RigidPlace, SeenSide, SeenSides, Site, SurfaceState,
     };
     pub use crate::coupling::{BoneSystem, EffectiveMass, skin_target};
     pub use crate::flesh::{PAIRS, RestTet, respond, rotation_of, signed_svd};

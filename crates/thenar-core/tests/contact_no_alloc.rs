@@ -4,7 +4,7 @@
 mod contact_scene;
 
 use contact_scene::ContactScene;
-use thenar_core::kernels::{Detector, Reach, Sides, SurfaceState};
+use thenar_core::kernels::{Detector, Reach, SeenSides, SurfaceState};
 use thenar_testing::allocations;
 
 #[global_allocator]
@@ -15,7 +15,7 @@ fn detection_allocates_nothing() {
     let mut scene = ContactScene::new(true);
     let mut detector = Detector::new(&scene.desc);
     let mut out = Vec::with_capacity(detector.capacity());
-    let [mut seen, mut now] = [(); 2].map(|()| Sides::with_capacity(detector.sides_max()));
+    let [mut seen, mut now] = [(); 2].map(|()| SeenSides::with_capacity(detector.sides_max()));
     let reach = Reach { h: 1.0 / 60.0, margin: 1e-3 };
     let before = allocations::so_far();
     let mut contacts = 0;

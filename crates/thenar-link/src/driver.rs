@@ -13,7 +13,7 @@ pub trait Driver: Send + Sync {
     fn about(&self) -> &'static str;
 
     /// What seems to be there now. Opens nothing that could move.
-    fn enumerate(&self) -> Vec<Found>;
+    fn enumerate(&self) -> Vec<FoundDevice>;
 
     /// Opens the device at an address (what follows `name:`), in so far as it can be: a device that
     /// is away for now opens, and is taken up when it comes.
@@ -27,7 +27,7 @@ pub trait Driver: Send + Sync {
 
 /// A device that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct FoundDevice {
     /// What `open` takes.
     pub address: String,
     /// What it is, for a person.

@@ -6,7 +6,9 @@
 //! for half a second before the hand goes back to it, so that one on the edge does not make the
 //! hand flicker. Left and right are chosen apart. Every change is reported.
 
-use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
+use crate::{
+    Driver, FoundDevice, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns,
+};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
 use thenar_core::model::Side;
@@ -230,7 +232,7 @@ impl Driver for EitherDriver {
          the first display among them is the display"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

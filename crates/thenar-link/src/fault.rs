@@ -1,6 +1,6 @@
 //! Trackers that go wrong as planned, for trials of everything behind them.
 
-use crate::{Driver, Found, HandSample, LinkError, Lookout, Opened, Tracker};
+use crate::{Driver, FoundDevice, HandSample, LinkError, Lookout, Opened, Tracker};
 use std::f64::consts::PI;
 use thenar_core::model::Side;
 use thenar_core::random::Random;
@@ -167,7 +167,7 @@ impl Driver for FaultDriver {
         "any device with a tracker that goes wrong, for an hour, by a plan: fault:SEED:DEVICE"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

@@ -46,7 +46,7 @@ pub mod twin;
 pub mod wearer;
 pub mod worker;
 
-pub use driver::{Driver, Found, Opened};
+pub use driver::{Driver, FoundDevice, Opened};
 pub use error::LinkError;
 pub use protocol::{Event, Protocol, Transport};
 pub use registry::{drivers, open};

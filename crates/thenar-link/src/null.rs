@@ -2,7 +2,8 @@
 
 use crate::worker::{Device, DisplayTraits, TrackerTraits};
 use crate::{
-    Driver, Event, Found, HandOutput, HandSample, LinkError, Opened, Protocol, Rendering, Transport,
+    Driver, Event, FoundDevice, HandOutput, HandSample, LinkError, Opened, Protocol, Rendering,
+    Transport,
 };
 use std::io;
 use std::time::Duration;
@@ -28,7 +29,7 @@ impl Driver for NullDriver {
         "no device: a hand held still at 100 Hz, forces that nobody feels; null:left or null:right"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

@@ -50,7 +50,7 @@ pub struct Paired {
     base: Box<dyn Tracker>,
     /// The glove's wrist in the frame of the tracked one.
     pose_TW: Pose,
-    known: [Known; 2],
+    known: [PairedSide; 2],
     /// The two trackers' times.
     clocks: [TrackerClock; 2],
     clock: fn() -> u64,
@@ -61,7 +61,7 @@ const NAMES: [&str; 2] = ["the glove", "the wrist's tracker"];
 
 /// What is known of one side.
 #[derive(Default)]
-struct Known {
+struct PairedSide {
     /// The tracked wrist, and when.
     wrist: Option<(Pose, u64)>,
     /// The newest sample of the fingers.

@@ -2,7 +2,7 @@
 
 use crate::options::Options;
 use crate::pose_stream::{LINE_BYTES_MAX, Line, natural_order};
-use crate::{Driver, Found, HandSample, LinkError, Opened, Tracker, now_ns};
+use crate::{Driver, FoundDevice, HandSample, LinkError, Opened, Tracker, now_ns};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::sync::Arc;
@@ -185,7 +185,7 @@ impl Driver for ReplayDriver {
         "a recording of hands, replay:FILE.jsonl?loop=yes&speed=0.5"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

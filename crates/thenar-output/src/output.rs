@@ -2,7 +2,7 @@
 
 use crate::claim::{Claim, ledger};
 use crate::error::OutputError;
-use crate::place::Place;
+use crate::place::Destination;
 use std::ffi::OsString;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -36,9 +36,9 @@ impl Output {
     /// The target cannot be written, or must not be.
     pub fn create(target: &Path) -> Result<Self, OutputError> {
         let fail = |cause| OutputError::new(target, cause);
-        let (file, draft) = match Place::find(target).map_err(fail)? {
-            Place::Straight(file) => (file, None),
-            Place::Plain(file, old) => {
+        let (file, draft) = match Destination::find(target).map_err(fail)? {
+            Destination::Straight(file) => (file, None),
+            Destination::Plain(file, old) => {
                 let claim = Claim::at(file).map_err(fail)?;
                 let (file, path) = begin(claim.file(), old.as_ref()).map_err(|e| fail(e.into()))?;
                 (file, Some(Draft { path, claim }))

@@ -11,14 +11,14 @@ pub const LINKS_MAX: usize = 40;
 
 /// Where an output goes.
 #[derive(Debug)]
-pub enum Place {
+pub enum Destination {
     /// A plain file at the end of all links, and what is known of it where it is there.
     Plain(PathBuf, Option<Metadata>),
     /// Written as it goes.
     Straight(File),
 }
 
-impl Place {
+impl Destination {
     /// Finds where a name leads, and opens it where it is no plain file.
     pub fn find(target: &Path) -> Result<Self, Cause> {
         if let Some(link) = open::descriptor(target) {
@@ -68,11 +68,11 @@ pub fn folder_of(path: &Path) -> io::Result<PathBuf> {
 }
 
 #[cfg(unix)]
-fn special(target: &Path, kind: FileType) -> Result<Place, Cause> {
+fn special(target: &Path, kind: FileType) -> Result<Destination, Cause> {
     use std::os::unix::fs::FileTypeExt;
     match kind {
-        _ if kind.is_char_device() => Ok(Place::Straight(open::device(target)?)),
-        _ if kind.is_fifo() => Ok(Place::Straight(open::pipe(target)?)),
+        _ if kind.is_char_device() => Ok(Destination::Straight(open::device(target)?)),
+        _ if kind.is_fifo() => Ok(Destination::Straight(open::pipe(target)?)),
         _ if kind.is_block_device() => Err(Cause::Refused("block device")),
         _ if kind.is_socket() => Err(Cause::Refused("socket")),
         _ => Err(Cause::Refused("thing that is not a file")),
@@ -80,6 +80,6 @@ fn special(target: &Path, kind: FileType) -> Result<Place, Cause> {
 }
 
 #[cfg(not(unix))]
-fn special(_: &Path, _: FileType) -> Result<Place, Cause> {
+fn special(_: &Path, _: FileType) -> Result<Destination, Cause> {
     Err(Cause::Refused("thing that is not a file"))
 }

@@ -8,7 +8,7 @@ use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
 
 /// A hand in the world.
-pub struct Hand<'a> {
+pub struct HandActor<'a> {
     /// Model of the hand.
     pub model: &'a HandModel,
     /// Bones of the hand among the rigid bodies.

@@ -4,7 +4,7 @@ use super::V;
 use super::colour::vector;
 use super::normals;
 use super::scene3d::{Material, Mesh, Scene3d};
-use super::skin::Site;
+use super::skin::SkinSite;
 use std::ops::Range;
 use thenar_core::Vec3;
 
@@ -20,7 +20,7 @@ pub(super) struct Geometry {
     /// Part of the ambient light that arrives, 0 to 1.
     pub ambient: Vec<f32>,
     /// Where on a hand; none for what is not skin.
-    pub sites: Vec<Option<Site>>,
+    pub sites: Vec<Option<SkinSite>>,
     /// Corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
     /// Mesh of each triangle.
@@ -103,15 +103,15 @@ impl Geometry {
     }
 
     /// Site between the corners of a triangle, by their weights.
-    pub(super) fn site(&self, corners: [u32; 3], weights: &[f32; 3]) -> Option<Site> {
+    pub(super) fn site(&self, corners: [u32; 3], weights: &[f32; 3]) -> Option<SkinSite> {
         let [a, b, c] = corners.map(|i| self.sites[i as usize]);
         let (of, w) = ([a?, b?, c?], weights);
-        let mix = |value: fn(&Site) -> f32| (0..3).map(|k| value(&of[k]) * w[k]).sum();
+        let mix = |value: fn(&SkinSite) -> f32| (0..3).map(|k| value(&of[k]) * w[k]).sum();
         let nail = [mix(|s| s.nail[0]), mix(|s| s.nail[1])];
-        Some(Site { blood: mix(|s| s.blood), open: mix(|s| s.open), nail })
+        Some(SkinSite { blood: mix(|s| s.blood), open: mix(|s| s.open), nail })
     }
 
-    pub(super) fn push(&mut self, point: V, normal: V, colour: V, site: Option<Site>) {
+    pub(super) fn push(&mut self, point: V, normal: V, colour: V, site: Option<SkinSite>) {
         self.sites.push(site);
         self.points.push(point);
         self.normals.push(normal);

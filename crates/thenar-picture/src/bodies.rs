@@ -1,6 +1,6 @@
 //! Rigid bodies, bones and joints as meshes.
 
-use super::actors::{Hand, Rigid};
+use super::actors::{HandActor, Rigid};
 use super::colour::{Rgb, from_srgb_triple, hex};
 use super::draw::bone;
 use super::scene3d::{Material, Mesh};
@@ -46,7 +46,7 @@ fn painted(mesh: &TriMesh, paint: &[Paint]) -> Vec<Rgb> {
 }
 
 /// The cuff that a hand with flesh wears.
-pub fn cuff_mesh(world: &World, hand: &Hand) -> Option<Mesh<'static>> {
+pub fn cuff_mesh(world: &World, hand: &HandActor) -> Option<Mesh<'static>> {
     let cuff = cuff(hand.model)?;
     let pose_WB = world.rigid_pose(hand.bones.start);
     let positions: Vec<Vec3> = cuff.positions.iter().map(|p| pose_WB.point(p)).collect();
@@ -63,7 +63,7 @@ fn colour_of(desc: &RigidDesc) -> Rgb {
 }
 
 /// The bones of a hand, and its joints: hinges blue, universal joints red (paper, Fig. 2).
-pub fn bone_meshes(world: &World, hand: &Hand) -> Vec<Mesh<'static>> {
+pub fn bone_meshes(world: &World, hand: &HandActor) -> Vec<Mesh<'static>> {
     let mut bones = Solid::default();
     for (model, i) in hand.model.bones.iter().zip(hand.bones.clone()) {
         let pose = world.rigid_pose(i);

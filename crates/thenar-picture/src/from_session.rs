@@ -1,6 +1,6 @@
 //! How the bodies of a scene file look.
 
-use super::actors::{Hand, Rigid, Soft};
+use super::actors::{HandActor, Rigid, Soft};
 use super::colour::{Rgb, from_srgb_triple};
 use super::{Camera, Image, Layers, Material, Quality, Scales, Stage, render};
 use thenar_core::Vec3;
@@ -33,7 +33,7 @@ pub fn stage(session: &Session) -> Stage<'_> {
         input: session.input(),
         hands: hands
             .iter()
-            .map(|h| Hand {
+            .map(|h| HandActor {
                 model: &h.model,
                 bones: h.handle.bones.clone(),
                 joints: h.handle.joints.clone(),

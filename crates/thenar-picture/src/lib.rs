@@ -33,7 +33,7 @@ mod stage;
 mod surface;
 mod tile;
 
-pub use actors::{Hand, Soft};
+pub use actors::{HandActor, Soft};
 pub use camera::Camera;
 pub use encode::{EncodeError, Movie, write_png};
 pub use from_session::{camera, draw};

@@ -5,8 +5,8 @@ use super::draw::{Pen, wires};
 use super::scene3d::{Mesh, Scene3d};
 use super::surface;
 use super::{
-    Backdrop, Camera, Ground, Hand, Image, Layers, Material, Pattern, Quality, Scales, Soft, Stage,
-    render,
+    Backdrop, Camera, Ground, HandActor, Image, Layers, Material, Pattern, Quality, Scales, Soft,
+    Stage, render,
 };
 use thenar_core::model::{CouplingKind, Flesh, HandModel, HandPlacement, Skinning, WorldDesc};
 use thenar_core::world::ModelError;
@@ -65,7 +65,7 @@ fn hand_portrait(
     let stage = Stage {
         world: &world,
         input: &input,
-        hands: vec![Hand { model: hand, bones: handle.bones, joints: handle.joints }],
+        hands: vec![HandActor { model: hand, bones: handle.bones, joints: handle.joints }],
         softs: vec![Soft {
             index: handle.soft,
             render: &hand.render,

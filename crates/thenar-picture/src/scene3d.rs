@@ -1,7 +1,7 @@
 //! What is drawn: meshes, light, ground, backdrop.
 
 use super::colour::{Rgb, hex};
-use super::skin::Site;
+use super::skin::SkinSite;
 use std::borrow::Cow;
 use thenar_core::Vec3;
 
@@ -111,7 +111,7 @@ pub struct Mesh<'a> {
     /// Colours per vertex, multiplied with the material's.
     pub colours: Option<Cow<'a, [Rgb]>>,
     /// Where on a hand each vertex is; skin looks different from place to place.
-    pub sites: Option<Vec<Site>>,
+    pub sites: Option<Vec<SkinSite>>,
     /// Material of the surface.
     pub material: Material,
     /// Both sides are drawn (open surfaces, wires).

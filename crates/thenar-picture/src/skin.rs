@@ -9,7 +9,7 @@ use thenar_rig::export::vertex_skin;
 
 /// Where on a hand a vertex of its skin is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
+pub struct SkinSite {
     /// Blood that shows, 0 to 1.
     pub blood: f32,
     /// Openness, from 0 in a crease to 1.
@@ -18,7 +18,7 @@ pub struct Site {
     pub nail: [f32; 2],
 }
 
-impl Default for Site {
+impl Default for SkinSite {
     fn default() -> Self {
         Self { blood: 0.0, open: 1.0, nail: [0.0, -20.0] }
     }
@@ -33,7 +33,7 @@ const PLANE: f64 = 1.0 / 190.0;
 const SMOOTHINGS: usize = 12;
 
 /// The sites of the vertices of a hand's skin; `None` for figures.
-pub fn sites(hand: &HandModel, render: &EmbeddedSurface) -> Option<Vec<Site>> {
+pub fn sites(hand: &HandModel, render: &EmbeddedSurface) -> Option<Vec<SkinSite>> {
     hand.bones.iter().find(|bone| bone.digit != Digit::Palm)?;
     let rest = embedded(render, &hand.flesh.tets, &hand.flesh.nodes);
     let curvature = curvature(&rest, &render.triangles);
@@ -45,7 +45,7 @@ pub fn sites(hand: &HandModel, render: &EmbeddedSurface) -> Option<Vec<Site>> {
         let bone = hand.bones.get(b)?;
         // Curvature as of a hand of 190 mm.
         let hollow = -(curvature[v] * hand.length / 0.19) as f32;
-        Some(Site {
+        Some(SkinSite {
             blood: (blood(hand, b, &bone.pose_MB.inverse_point(&rest[v]))
                 + 0.2 * step(0.0, 120.0, hollow))
             .min(1.0),
@@ -83,7 +83,7 @@ fn blood(hand: &HandModel, b: usize, p: &Vec3) -> f32 {
 /// between two of them no triangle crosses the nail.
 fn nail(hand: &HandModel, digit: Digit, p_M: &Vec3) -> [f32; 2] {
     let last = hand.bones.iter().rfind(|bone| bone.digit == digit && digit != Digit::Palm);
-    let Some(bone) = last else { return Site::default().nail };
+    let Some(bone) = last else { return SkinSite::default().nail };
     let [wide, long] = NAILS[usize::from(digit != Digit::Thumb)].map(|part| part * hand.length);
     let p = bone.pose_MB.inverse_point(p_M);
     let off = if p.y >= 0.0 { 1.0 } else { 1.0 + (-p.y / (PLANE * hand.length)).min(8.0) };
@@ -119,7 +119,7 @@ fn curvature(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
 }
 
 /// Colour of skin of a base colour at a site, and how much of a nail it is.
-pub(super) fn colour(base: &V, site: &Site) -> (V, f32) {
+pub(super) fn colour(base: &V, site: &SkinSite) -> (V, f32) {
     let [u, w] = site.nail;
     let radius = u.hypot(w * if w > 0.0 { 1.0 } else { 1.05 });
     let nail = 1.0 - step(0.94, 1.06, radius);
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn a_nail_is_paler_than_the_finger_and_its_groove_darker() {
         let base = V::new(0.7, 0.4, 0.3);
-        let at = |u: f32| colour(&base, &Site { blood: 0.5, open: 1.0, nail: [u, 0.0] });
+        let at = |u: f32| colour(&base, &SkinSite { blood: 0.5, open: 1.0, nail: [u, 0.0] });
         let [(plate, on), (groove, _), (skin, off)] = [0.0, 1.1, 3.0].map(at);
         assert_eq!((on, off), (1.0, 0.0));
         assert!(plate.y > skin.y && groove.y < skin.y, "{plate} {groove} {skin}");

@@ -1,6 +1,6 @@
 //! A moment of a simulation as a scene of meshes.
 
-use super::actors::{Hand, Rigid, Soft};
+use super::actors::{HandActor, Rigid, Soft};
 use super::bodies::{bone_meshes, cuff_mesh, rigid_mesh};
 use super::colour::{Rgb, hex, pressure_colour};
 use super::draw::{Pen, arrow, points, wires};
@@ -21,7 +21,7 @@ pub struct Stage<'a> {
     /// What acts on it: where trackers have the bones.
     pub input: &'a Input,
     /// Hands on the stage.
-    pub hands: Vec<Hand<'a>>,
+    pub hands: Vec<HandActor<'a>>,
     /// Deformable bodies, in any order; those of hands too.
     pub softs: Vec<Soft<'a>>,
     /// One per rigid body of the world.
@@ -217,7 +217,7 @@ impl Stage<'_> {
     }
 
     /// The skin of a hand as its tracker has it.
-    fn tracked(&self, hand: &Hand) -> Option<Mesh<'static>> {
+    fn tracked(&self, hand: &HandActor) -> Option<Mesh<'static>> {
         let known = hand.bones.clone().any(|b| self.input.targets[b as usize].is_some());
         if !known {
             return None;

@@ -16,14 +16,14 @@ const SIZE_MAX: u32 = 8192;
 const QUICK: Quality = Quality { samples: 4, shadow_map: 256, ambient_directions: 0, threads: 1 };
 
 /// Content of a picture, and the eye that sees it.
-pub struct Wanted {
+pub struct PictureSpec {
     size: [u32; 2],
     layers: Layers,
     camera: Option<Camera>,
     quality: Quality,
 }
 
-impl Wanted {
+impl PictureSpec {
     /// Checks what is wanted. `camera`: place of the eye, place looked at \[m\] and field of view \[deg\].
     ///
     /// # Errors

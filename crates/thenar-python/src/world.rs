@@ -4,7 +4,7 @@ use crate::claim::{Claim, Claims};
 use crate::describe;
 use crate::error;
 use crate::numbers::{rows, table};
-use crate::picture::{self, Wanted};
+use crate::picture::{self, PictureSpec};
 use crate::quantity::Quantity;
 use crate::record::Writing;
 use crate::report::StepReport;
@@ -208,7 +208,7 @@ impl World {
         camera: Option<[f64; 7]>,
         quality: &str,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let wanted = Wanted::new(size, layers, camera, quality)?;
+        let wanted = PictureSpec::new(size, layers, camera, quality)?;
         Ok(PyBytes::new(py, &self.drawn(py, &wanted)?.rgb))
     }
 
@@ -222,7 +222,7 @@ impl World {
         camera: Option<[f64; 7]>,
         quality: &str,
     ) -> PyResult<()> {
-        let wanted = Wanted::new(size, layers, camera, quality)?;
+        let wanted = PictureSpec::new(size, layers, camera, quality)?;
         let image = self.drawn(py, &wanted)?;
         py.detach(|| picture::write(&image, file))
     }
@@ -411,7 +411,7 @@ impl World {
 
 impl World {
     /// Draws it; other Python threads run meanwhile.
-    fn drawn(&self, py: Python<'_>, wanted: &Wanted) -> PyResult<Image> {
+    fn drawn(&self, py: Python<'_>, wanted: &PictureSpec) -> PyResult<Image> {
         let claim = self.claim()?;
         py.detach(|| Ok(wanted.draw(&self.claimed(&claim)?.session)))
     }

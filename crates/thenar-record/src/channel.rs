@@ -1,6 +1,6 @@
 //! Channels: small records of fixed size beside the session, such as one per haptic tick.
 
-use crate::frame::Kind;
+use crate::frame::FrameKind;
 use crate::tape::{Tape, Weight};
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +52,7 @@ impl Channel {
     pub fn record(&mut self, time_ns: u64, values: &[f64]) -> bool {
         assert_eq!(values.len(), self.fields, "one value for each field of the channel");
         let id = self.id;
-        self.tape.frame(Kind::Record, time_ns, Weight::Heavy, |body| {
+        self.tape.frame(FrameKind::Record, time_ns, Weight::Heavy, |body| {
             body.extend_from_slice(&id.to_le_bytes());
             values.iter().for_each(|x| body.extend_from_slice(&x.to_le_bytes()));
         })

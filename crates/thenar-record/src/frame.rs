@@ -27,7 +27,7 @@ pub(crate) const PAYLOAD_BYTES_MIN: usize = 9;
 /// What a frame holds. Readers skip kinds that they do not know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub enum FrameKind {
     /// [`Header`](crate::Header), JSON. The first frame.
     Header = 1,
     /// A scene begins.
@@ -48,7 +48,7 @@ pub enum Kind {
     End = 9,
 }
 
-impl Kind {
+impl FrameKind {
     const ALL: [Self; 9] = [
         Self::Header,
         Self::Scene,
@@ -70,7 +70,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
     /// What it holds; `None` for a kind that this version does not know.
-    pub kind: Option<Kind>,
+    pub kind: Option<FrameKind>,
     /// When it was written \[ns since the recording began\]; rises within one source.
     pub time_ns: u64,
     /// The rest.
@@ -82,12 +82,12 @@ impl<'a> Frame<'a> {
     pub(crate) fn of(payload: &'a [u8]) -> Option<Self> {
         let (kind, rest) = payload.split_first()?;
         let (time, body) = rest.split_first_chunk::<8>()?;
-        Some(Self { kind: Kind::of(*kind), time_ns: u64::from_le_bytes(*time), body })
+        Some(Self { kind: FrameKind::of(*kind), time_ns: u64::from_le_bytes(*time), body })
     }
 }
 
 /// Starts a payload.
-pub(crate) fn begin_payload(out: &mut Vec<u8>, kind: Kind, time_ns: u64) {
+pub(crate) fn begin_payload(out: &mut Vec<u8>, kind: FrameKind, time_ns: u64) {
     out.push(kind as u8);
     out.extend_from_slice(&time_ns.to_le_bytes());
 }

@@ -4,7 +4,7 @@ use crate::frame::{
     FRAME_BYTES_MAX, Frame, HEAD_BYTES, MAGIC, PAYLOAD_BYTES_MIN, PROLOGUE_BYTES, checksum,
 };
 use crate::resync::{Newest, Search};
-use crate::{Header, Kind, OpenError, VERSION};
+use crate::{FrameKind, Header, OpenError, VERSION};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
@@ -58,13 +58,13 @@ impl fmt::Display for Damage {
 
 /// Where a frame begins, to come back to it.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct FramePlace {
     at: u64,
     sum: u32,
     newest: Newest,
 }
 
-impl Place {
+impl FramePlace {
     /// Where it begins \[bytes\].
     pub fn offset(&self) -> u64 {
         self.at
@@ -162,7 +162,8 @@ impl<R: Read + Seek> Frames<R> {
             return Err(unusable(fault));
         }
         frames.at += (HEAD_BYTES + frames.payload.len()) as u64;
-        let first = Frame::of(&frames.payload).filter(|first| first.kind == Some(Kind::Header));
+        let first =
+            Frame::of(&frames.payload).filter(|first| first.kind == Some(FrameKind::Header));
         let header = first.and_then(|frame| serde_json::from_slice(frame.body).ok());
         header.map(|header| (header, frames)).ok_or_else(|| unusable(Fault::Header))
     }
@@ -189,7 +190,7 @@ impl<R: Read + Seek> Frames<R> {
         if let Some(frame) = &frame {
             self.before.clone_from(&self.newest);
             self.newest.note(frame);
-            self.ended |= frame.kind == Some(Kind::End);
+            self.ended |= frame.kind == Some(FrameKind::End);
         }
         Ok(frame)
     }
@@ -234,7 +235,7 @@ impl<R: Read + Seek> Frames<R> {
         self.sum = expected;
         // Pieces that were moved hold together within: only time and the end's place tell.
         let end = self.at + (HEAD_BYTES + self.payload.len()) as u64;
-        let is_last = |frame: &Frame| frame.kind != Some(Kind::End) || end == self.size;
+        let is_last = |frame: &Frame| frame.kind != Some(FrameKind::End) || end == self.size;
         let in_order = |frame: Frame| self.newest.is_in_order(&frame) && is_last(&frame);
         if !self.damages.is_empty() && !Frame::of(&self.payload).is_some_and(in_order) {
             return Ok(Err(Fault::Order));
@@ -287,21 +288,21 @@ impl<R: Read + Seek> Frames<R> {
     }
 
     /// Where the frame begins that [`Frames::next`] gave last.
-    pub fn place(&self) -> Place {
+    pub fn place(&self) -> FramePlace {
         let (at, sum) = self.last;
-        Place { at, sum, newest: self.newest.clone() }
+        FramePlace { at, sum, newest: self.newest.clone() }
     }
 
     /// Where the next frame begins.
-    pub fn place_of_next(&self) -> Place {
-        Place { at: self.at, sum: self.sum, newest: self.newest.clone() }
+    pub fn place_of_next(&self) -> FramePlace {
+        FramePlace { at: self.at, sum: self.sum, newest: self.newest.clone() }
     }
 
     /// Goes to a frame, which is the next one then. What is damaged elsewhere is forgotten.
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn go_to(&mut self, place: &Place) -> io::Result<()> {
+    pub fn go_to(&mut self, place: &FramePlace) -> io::Result<()> {
         self.input.seek(SeekFrom::Start(place.at))?;
         (self.at, self.sum, self.ended) = (place.at, place.sum, false);
         self.newest.clone_from(&place.newest);

@@ -1,7 +1,7 @@
 //! The file's end: a thread that writes what comes through the rings.
 
 use crate::channel::{Channel, ChannelInfo, Field};
-use crate::frame::{Kind, append, begin_payload, prologue};
+use crate::frame::{FrameKind, append, begin_payload, prologue};
 use crate::tape::{BIG, Tape};
 use crate::{Clock, Header, RecordError};
 use rtrb::{Consumer, RingBuffer};
@@ -75,7 +75,7 @@ impl Recorder {
         let (start, mut sum) = prologue();
         let mut bytes = start.to_vec();
         let mut payload = Vec::new();
-        begin_payload(&mut payload, Kind::Header, 0);
+        begin_payload(&mut payload, FrameKind::Header, 0);
         // Texts and numbers always have a JSON form.
         payload.extend(serde_json::to_vec(header).unwrap_or_default());
         append(&mut bytes, &mut sum, &payload);
@@ -124,7 +124,7 @@ impl Recorder {
         let longest = 17 + 8 * fields.len();
         let ring = (waiting * longest).max(4096);
         let mut tape = self.tape(info.id, ring, longest);
-        tape.big_frame(Kind::Channel, self.clock.now_ns(), |body| {
+        tape.big_frame(FrameKind::Channel, self.clock.now_ns(), |body| {
             body.extend(serde_json::to_vec(&info).unwrap_or_default());
         });
         Channel::new(tape, &info)
@@ -215,7 +215,7 @@ impl Writer {
             std::thread::park_timeout(ROUND);
         }
         self.payload.clear();
-        begin_payload(&mut self.payload, Kind::End, self.clock.now_ns());
+        begin_payload(&mut self.payload, FrameKind::End, self.clock.now_ns());
         append(&mut self.batch, &mut self.sum, &self.payload);
         self.flush()?;
         self.out.sync_all()

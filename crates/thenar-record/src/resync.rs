@@ -5,7 +5,7 @@
 //! head of the first says; whatever the first holds, it stays unused. What was moved or repeated
 //! also has such pairs: it shows by its time, which rises within a source.
 
-use crate::Kind;
+use crate::FrameKind;
 use crate::frame::{
     FRAME_BYTES_MAX, Frame, HEAD_BYTES, PAYLOAD_BYTES_MIN, PROLOGUE_BYTES, checksum,
 };
@@ -25,9 +25,9 @@ pub struct Newest(BTreeMap<u32, u64>);
 /// Source whose time a frame carries: 0 the session, else a channel. `None` where times say nothing.
 fn source(frame: &Frame) -> Option<u32> {
     match frame.kind? {
-        Kind::Scene | Kind::Input | Kind::Step | Kind::Keyframe => Some(0),
-        Kind::Record => frame.body.first_chunk().map(|id| u32::from_le_bytes(*id)),
-        Kind::Header | Kind::Channel | Kind::Gap | Kind::End => None,
+        FrameKind::Scene | FrameKind::Input | FrameKind::Step | FrameKind::Keyframe => Some(0),
+        FrameKind::Record => frame.body.first_chunk().map(|id| u32::from_le_bytes(*id)),
+        FrameKind::Header | FrameKind::Channel | FrameKind::Gap | FrameKind::End => None,
     }
 }
 
@@ -98,7 +98,7 @@ impl<R: Read + Seek> Search<'_, R> {
                 let at = start + k as u64;
                 let Some(head) = Head::of(&window[k..got]) else { break };
                 // Where the damage begins the head may be whole, and the kind not.
-                let is_frame = at == from || Kind::of(head.kind).is_some();
+                let is_frame = at == from || FrameKind::of(head.kind).is_some();
                 let next = head.end(at).filter(|next| is_frame && *next < self.size);
                 if let Some(next) = next
                     && self.is_good(next, head.sum, &mut payload)?
@@ -125,7 +125,8 @@ impl<R: Read + Seek> Search<'_, R> {
             return Ok(false);
         }
         let Some(head) = Head::of(&bytes) else { return Ok(false) };
-        let end = head.end(at).filter(|end| *end <= self.size && Kind::of(head.kind).is_some());
+        let end =
+            head.end(at).filter(|end| *end <= self.size && FrameKind::of(head.kind).is_some());
         let Some(end) = end.filter(|end| self.spend(end - at)) else { return Ok(false) };
         payload.clear();
         payload.push(head.kind);
@@ -138,7 +139,7 @@ impl<R: Read + Seek> Search<'_, R> {
         }
         // The mark of the end has its place at the end.
         let is_end =
-            |frame: &Frame| !self.ended && frame.kind == Some(Kind::End) && end == self.size;
+            |frame: &Frame| !self.ended && frame.kind == Some(FrameKind::End) && end == self.size;
         Ok(Frame::of(payload).is_some_and(|frame| self.newest.is_later(&frame) || is_end(&frame)))
     }
 }

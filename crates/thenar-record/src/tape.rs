@@ -1,6 +1,6 @@
 //! One source's end of a recording.
 
-use crate::frame::{Kind, begin_payload};
+use crate::frame::{FrameKind, begin_payload};
 use rtrb::Producer;
 use std::sync::mpsc::Sender;
 
@@ -86,7 +86,7 @@ impl Tape {
     /// Records a frame, whose body `write` appends. False when it had to be dropped.
     pub fn frame(
         &mut self,
-        kind: Kind,
+        kind: FrameKind,
         time_ns: u64,
         weight: Weight,
         write: impl FnOnce(&mut Vec<u8>),
@@ -102,7 +102,7 @@ impl Tape {
     /// Records a frame of any length, for the beginning of things: it allocates.
     pub fn big_frame(
         &mut self,
-        kind: Kind,
+        kind: FrameKind,
         time_ns: u64,
         write: impl FnOnce(&mut Vec<u8>),
     ) -> bool {
@@ -142,7 +142,7 @@ impl Tape {
     fn last_word(&self) -> Option<Vec<u8>> {
         (self.gap.frames > 0).then(|| {
             let mut payload = Vec::new();
-            begin_payload(&mut payload, Kind::Gap, self.time_ns);
+            begin_payload(&mut payload, FrameKind::Gap, self.time_ns);
             self.gap.write(&mut payload);
             payload
         })
@@ -164,7 +164,7 @@ impl Tape {
         let gap = self.gap;
         self.draft.clear();
         self.draft.extend_from_slice(&[0; 4]);
-        begin_payload(&mut self.draft, Kind::Gap, time_ns);
+        begin_payload(&mut self.draft, FrameKind::Gap, time_ns);
         gap.write(&mut self.draft);
         // A gap frame that is told while the ring is nearly full would be followed by another.
         if self.ring.slots() >= self.draft.len() + self.ring.buffer().capacity() / 4 {

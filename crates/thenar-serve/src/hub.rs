@@ -46,7 +46,7 @@ impl Event {
 
 /// A remark to one client.
 #[derive(Clone, Debug)]
-pub struct Note {
+pub struct ClientNote {
     /// Whom it is for.
     pub client: ClientId,
     /// JSON text.
@@ -100,7 +100,7 @@ pub struct Hub {
     /// How devices do; empty where there are none.
     pub touch: watch::Receiver<String>,
     devices: Option<DeadMan>,
-    notes: broadcast::Sender<Note>,
+    notes: broadcast::Sender<ClientNote>,
     inbox: Sender<Event>,
     shares: Arc<Shares>,
     scenes: Arc<[SceneName]>,
@@ -117,7 +117,7 @@ pub struct Desk {
     pub status: watch::Sender<String>,
     /// How devices do.
     pub touch: watch::Sender<String>,
-    notes: broadcast::Sender<Note>,
+    notes: broadcast::Sender<ClientNote>,
     inbox: Receiver<Event>,
     shares: Arc<Shares>,
 }
@@ -200,7 +200,7 @@ impl Hub {
     }
 
     /// Remarks to clients from now on; each connection picks its own.
-    pub fn notes(&self) -> broadcast::Receiver<Note> {
+    pub fn notes(&self) -> broadcast::Receiver<ClientNote> {
         self.notes.subscribe()
     }
 
@@ -250,16 +250,16 @@ impl Desk {
 
     /// Remarks something to a client.
     pub fn tell(&self, client: ClientId, text: String) {
-        self.note(Note { client, text, refusal: false });
+        self.note(ClientNote { client, text, refusal: false });
     }
 
     /// Refuses what a client sent.
     pub fn refuse(&self, client: ClientId, reason: &str) {
-        self.note(Note { client, text: text::error(reason), refusal: true });
+        self.note(ClientNote { client, text: text::error(reason), refusal: true });
     }
 
     /// Hands a remark to the client that it is for.
-    pub fn note(&self, note: Note) {
+    pub fn note(&self, note: ClientNote) {
         // Nobody listening is fine: the client has left.
         let _ = self.notes.send(note);
     }

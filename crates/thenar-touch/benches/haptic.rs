@@ -6,8 +6,8 @@ use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_touch::safety::{Bank, Limits, Signal};
 use thenar_touch::shared::{Condensed, CondensedContact, SharedConstraints};
 use thenar_touch::{
-    CouplingDesign, HandSettings, HapticHand, Mode, Proxies, Proxy, RigidState, SlowToFast, Tie,
-    Touch,
+    CouplingDesign, HandSettings, HapticHand, Proxies, Proxy, RigidState, SlowToFast, Tie, Touch,
+    TouchMode,
 };
 
 fn main() {
@@ -119,7 +119,7 @@ fn shared_constraints(bencher: Bencher, contacts: usize) {
 #[divan::bench(args = [0, 15])]
 fn whole_tick_shared(bencher: Bencher, joints: usize) {
     let (_, tracked, bones) = hand();
-    let settings = HandSettings { mode: Mode::SharedConstraints, ..HandSettings::default() };
+    let settings = HandSettings { mode: TouchMode::SharedConstraints, ..HandSettings::default() };
     let mut hand =
         HapticHand::new(settings, vec![proxy(); BONES], &bones, 10).expect("the bench's own hand");
     let [at_parent, at_child] = [Vec3::x() * 0.01, Vec3::x() * -0.01];

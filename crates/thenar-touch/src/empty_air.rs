@@ -8,7 +8,7 @@
 //! | mode | the hand in empty air |
 //! |---|---|
 //! | shared constraints | the frame's response without contacts ([`SharedConstraints::in_empty_air`]), own proxies |
-//! | single-rate | the hand alone in a world of its own ([`FreeHand`]), stepped while something acts |
+//! | single-rate | the hand alone in a world of its own ([`EmptyAirHand`]), stepped while something acts |
 //! | multirate | the same, stepped always, and own proxies; what is felt comes with frames |
 //!
 //! Both hands have the same limits of joints, weight and flesh. Where nothing touches and nothing loads the hand they
@@ -24,13 +24,13 @@ use thenar_core::world::{Alone, Input, ModelError, State, Target, World};
 
 /// A hand of a world, in empty air.
 #[derive(Clone, Debug)]
-pub struct FreeHand {
+pub struct EmptyAirHand {
     alone: Alone,
     input: Input,
     weightless: bool,
 }
 
-impl FreeHand {
+impl EmptyAirHand {
     /// The hand of these bones as it is. Of a weightless one the input carries the weight, as wrenches on its bones and
     /// forces on its nodes. Allocates all it needs.
     ///

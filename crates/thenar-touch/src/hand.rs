@@ -16,7 +16,7 @@ use thenar_core::world::StepReport;
 
 /// What stands in for the simulated bones between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Mode {
+pub enum TouchMode {
     /// The frame's bones, carried forward by their velocity (the paper).
     Multirate,
     /// The frame's condensed response, contact resolved every tick; frames without one as
@@ -28,7 +28,7 @@ pub enum Mode {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HandSettings {
     /// Between simulation frames.
-    pub mode: Mode,
+    pub mode: TouchMode,
     /// Between frames, in `Multirate`.
     pub simulation: Prediction,
     /// A tick longer than this is stepped as if it were this long \[s\].
@@ -42,7 +42,7 @@ pub struct HandSettings {
 impl Default for HandSettings {
     fn default() -> Self {
         Self {
-            mode: Mode::Multirate,
+            mode: TouchMode::Multirate,
             simulation: Prediction::SIMULATION,
             step_max: 0.02,
             force_tolerance: 1e-3,
@@ -66,7 +66,7 @@ const UNANSWERED: f64 = 0.05;
 
 /// What one tick did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HandReport {
+pub struct TickReport {
     /// Length of the step \[s\]; zero when the clock did not advance.
     pub step: f64,
     /// Age of the simulation frame \[s\].
@@ -146,7 +146,7 @@ impl HapticHand {
         // Half of what would just be stable.
         let periods_when_late = 0.5 * least_stable.fold(1.0, f64::min);
         let mut proxies = proxies;
-        if settings.mode == Mode::SharedConstraints {
+        if settings.mode == TouchMode::SharedConstraints {
             proxies.iter_mut().for_each(|proxy| *proxy = proxy.lighter(LIGHT));
         }
         let proxies = Proxies::new(proxies, start)?;
@@ -170,7 +170,7 @@ impl HapticHand {
             frame_heard: None,
             responds: false,
             unanswered: f64::INFINITY,
-            answered: if settings.mode == Mode::SharedConstraints { 0.0 } else { 1.0 },
+            answered: if settings.mode == TouchMode::SharedConstraints { 0.0 } else { 1.0 },
             carried: proxies.states().to_vec(),
             reach: 0.0,
             periods_when_late,
@@ -200,7 +200,7 @@ impl HapticHand {
     fn place_bones(&mut self, frame: &SlowToFast, age: f64, h: f64) -> Resolution {
         let response = &frame.response;
         let responded = self.responds;
-        self.responds = self.settings.mode == Mode::SharedConstraints && response.is_ready();
+        self.responds = self.settings.mode == TouchMode::SharedConstraints && response.is_ready();
         if self.responds {
             if self.shared_step != Some(frame.step) {
                 self.shared.begin(response);
@@ -269,7 +269,7 @@ impl HapticHand {
 
     /// The couplings' forces and torques on the wearer, less what they are in empty air.
     fn feel(&mut self, h: f64, step: u64) {
-        if self.settings.mode == Mode::SharedConstraints {
+        if self.settings.mode == TouchMode::SharedConstraints {
             self.unanswered = if self.responds { 0.0 } else { self.unanswered + h };
             let part = hold_then_fade(self.unanswered, UNANSWERED, UNANSWERED);
             // Back within the time of the fade, too.
@@ -301,7 +301,7 @@ impl HapticHand {
         let both = self.carried.iter_mut().zip(&frame.bones);
         both.for_each(|(carried, bone)| believe(carried, bone, period));
         let held = &mut self.free.held;
-        if frame.free.is_empty() && self.settings.mode == Mode::Multirate {
+        if frame.free.is_empty() && self.settings.mode == TouchMode::Multirate {
             // A frame that tells of no hand in empty air: all is felt, as before there were any.
             held.fill(None);
         }
@@ -348,7 +348,7 @@ impl Touch for HapticHand {
         &mut self.hand
     }
 
-    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
+    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> TickReport {
         let h = self.hand.passed(now_ns, self.settings.step_max);
         let simulation_age = seconds_between(frame.time_ns, now_ns);
         if self.frame_heard.replace(frame.step) != Some(frame.step) {
@@ -366,7 +366,7 @@ impl Touch for HapticHand {
         self.free.proxies.step(h, self.hand.states(), &self.free.bones);
         self.feel(h, frame.step);
         self.ticks += 1;
-        HandReport { step: h, simulation_age, proxies, contact, world: None }
+        TickReport { step: h, simulation_age, proxies, contact, world: None }
     }
 
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {

@@ -98,10 +98,10 @@ pub use device::{ForceDisplay, Lookout, Messenger, Presence, Tracker};
 pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
-pub use empty_air::FreeHand;
+pub use empty_air::EmptyAirHand;
 pub use exchange::FastToSlow;
 pub use felt::{Felt, FeltBounds};
-pub use hand::{HandReport, HandSettings, HapticHand, Mode};
+pub use hand::{HandSettings, HapticHand, TickReport, TouchMode};
 pub use led_hand::LedHand;
 pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
 pub use pads::{Pad, PadReading};

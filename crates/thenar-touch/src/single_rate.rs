@@ -7,7 +7,7 @@
 
 use crate::led_hand::LedHand;
 use crate::{
-    FastToSlow, FreeHand, HandReport, RigidState, SlowToFast, Touch, drive_reaction,
+    EmptyAirHand, FastToSlow, RigidState, SlowToFast, TickReport, Touch, drive_reaction,
     series_stiffness,
 };
 use std::ops::Range;
@@ -48,7 +48,7 @@ pub struct SingleRate {
     hand: LedHand,
     bones: Vec<RigidState>,
     /// What this hand does in empty air, and whether it does something else than this one.
-    free: FreeHand,
+    free: EmptyAirHand,
     differs: bool,
     /// What drives bear, less what they bear in empty air; then what is shown of it.
     felt: Vec<[Vec3; 2]>,
@@ -76,7 +76,7 @@ impl SingleRate {
         let n = end - first;
         let at = |i: usize| RigidState::of(&world, (first + i) as u32);
         let states: Vec<RigidState> = (0..n).map(at).collect();
-        let free = FreeHand::of(&world, first as u32..end as u32, settings.weightless)?;
+        let free = EmptyAirHand::of(&world, first as u32..end as u32, settings.weightless)?;
         Ok(Self {
             free,
             differs: false,
@@ -181,7 +181,7 @@ impl Touch for SingleRate {
         &mut self.hand
     }
 
-    fn tick(&mut self, now_ns: u64, _: &SlowToFast) -> HandReport {
+    fn tick(&mut self, now_ns: u64, _: &SlowToFast) -> TickReport {
         let h = self.hand.passed(now_ns, self.settings.step_max);
         self.owed = (self.owed + h).min(self.settings.step_max);
         self.hand.place(&self.bones);
@@ -194,7 +194,7 @@ impl Touch for SingleRate {
         }
         self.show_felt();
         self.ticks += 1;
-        HandReport { step: h, world, ..HandReport::default() }
+        TickReport { step: h, world, ..TickReport::default() }
     }
 
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {

@@ -1,6 +1,6 @@
 //! One interface to the three modes of touch: what the loop around ticks, whatever is inside.
 
-use crate::{FastToSlow, HandReport, HapticHand, LedHand, RigidState, SlowToFast};
+use crate::{FastToSlow, HapticHand, LedHand, RigidState, SlowToFast, TickReport};
 use thenar_core::math::Vec3;
 use thenar_core::world::{Input, World};
 
@@ -28,7 +28,7 @@ pub trait Touch {
     }
 
     /// One tick, on the newest simulation frame (which single-rate does not look at).
-    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport;
+    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> TickReport;
 
     /// Where the simulated bones should go.
     fn publish(&self, now_ns: u64, to: &mut FastToSlow);

@@ -12,8 +12,8 @@ use thenar_testing::allocations;
 use thenar_touch::safety::{Bank, Limits, Signal, Trip};
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::{
-    CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SingleRate,
-    SingleRateSettings, SlowToFast, Tie, Touch, pad_force,
+    CouplingDesign, FastToSlow, HandSettings, HapticHand, RigidState, SingleRate,
+    SingleRateSettings, SlowToFast, Tie, Touch, TouchMode, pad_force,
 };
 
 #[global_allocator]
@@ -60,7 +60,7 @@ fn a_haptic_tick_allocates_nothing() {
         .map(|i| RigidState::at_rest(Pose::translation(0.02 * i as f64, 0.0, 0.0)))
         .collect();
     let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
-    let settings = HandSettings { mode: Mode::SharedConstraints, ..HandSettings::default() };
+    let settings = HandSettings { mode: TouchMode::SharedConstraints, ..HandSettings::default() };
     let mut hand = HapticHand::new(settings, vec![proxy; BONES], &start, 40).unwrap();
     let [at_parent, at_child] = [Vec3::x() * 0.01, Vec3::x() * -0.01];
     hand.tie((1..BONES).map(|child| Tie { parent: child - 1, child, at_parent, at_child }));

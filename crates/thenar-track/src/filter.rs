@@ -59,13 +59,13 @@ impl Scalar {
 
 /// A filtered point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct FilteredPoint {
     input: Vec3,
     value: Vec3,
     rate: Vec3,
 }
 
-impl Point {
+impl FilteredPoint {
     /// Still at `value`.
     pub fn still(value: Vec3) -> Self {
         Self { input: value, value, rate: Vec3::zeros() }
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_jump_never_exceeds_the_speed_limit_nor_overshoots() {
-        let mut point = Point::still(Vec3::zeros());
+        let mut point = FilteredPoint::still(Vec3::zeros());
         let goal = Vec3::new(0.3, -0.4, 1.2);
         let mut last = Vec3::zeros();
         for _ in 0..2000 {

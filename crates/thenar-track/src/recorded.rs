@@ -60,7 +60,7 @@ pub struct Recorded {
     steps: u64,
     /// The knot in force.
     at: usize,
-    position: filter::Point,
+    position: filter::FilteredPoint,
     rotation: filter::Rotation,
     joints: Vec<[filter::Scalar; 2]>,
     tracking: Tracking,
@@ -102,7 +102,7 @@ impl Recorded {
             knots,
             steps: 0,
             at: 0,
-            position: filter::Point::still(first.position),
+            position: filter::FilteredPoint::still(first.position),
             rotation: filter::Rotation::still(first.rotation),
             tracking: Tracking::Reacquiring,
             acquired: 0.0,
@@ -154,7 +154,7 @@ impl Recorded {
     /// Back to time 0: at the first sample's place, fingers at rest, on the way to the first pose.
     fn restart(&mut self) {
         let first = self.knots[0].wrist;
-        self.position = filter::Point::still(first.position);
+        self.position = filter::FilteredPoint::still(first.position);
         self.rotation = filter::Rotation::still(first.rotation);
         for (joint, rest) in self.joints.iter_mut().zip(&self.articulation.rest_angles) {
             *joint = rest.map(filter::Scalar::still);

@@ -12,7 +12,8 @@ use session::Session;
 use std::path::{Path, PathBuf};
 use thenar_core::model::Side;
 use thenar_link::latency::{
-    Doubt, KEY_DELAY, KEY_DELAY_SPREAD, Lag, Measured, Part, lag, possible, stillness, taps,
+    ComparedPart, Doubt, KEY_DELAY, KEY_DELAY_SPREAD, Lag, MeasuredDelay, lag, possible, stillness,
+    taps,
 };
 use thenar_link::profile::{Tracking, save, states_timing, user_file};
 use toml::{Table, Value};
@@ -31,7 +32,7 @@ pub struct Args {
     reference_latency: Option<f64>,
     /// What is compared; by default the fingers, and the wrist where they do not move.
     #[arg(long, value_enum, requires = "with")]
-    of: Option<Which>,
+    of: Option<ComparedWord>,
     /// How long both are watched while you move [s].
     #[arg(long, value_name = "S", requires = "with", default_value_t = 20.0, value_parser = super::test::seconds)]
     seconds: f64,
@@ -49,7 +50,7 @@ pub struct Args {
     still: f64,
     /// The hand, where a tracker sees both.
     #[arg(long, value_enum)]
-    side: Option<Hand>,
+    side: Option<LeftOrRight>,
     /// Keep the result without asking.
     #[arg(long)]
     keep: bool,
@@ -60,7 +61,7 @@ pub struct Args {
 
 /// What of a hand is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Which {
+enum ComparedWord {
     /// How far the fingers are bent.
     Fingers,
     /// How fast the wrist goes.
@@ -69,7 +70,7 @@ enum Which {
 
 /// A hand, as on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Hand {
+enum LeftOrRight {
     Left,
     Right,
 }
@@ -113,7 +114,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             .ok_or_else(|| CliError::Input(UNKNOWN.into()))?,
     };
     let keys = Keys::hear();
-    let side = args.side.map(|hand| if hand == Hand::Left { Side::Left } else { Side::Right });
+    let side =
+        args.side.map(|hand| if hand == LeftOrRight::Left { Side::Left } else { Side::Right });
     session.meet(side)?;
     let noise = hold_still(&mut session, args, &keys)?;
     let (found, how) = match &args.with {
@@ -188,7 +190,7 @@ fn compare(
     keys: &Keys,
     known: f64,
     name: &str,
-) -> Result<(Measured, String), CliError> {
+) -> Result<(MeasuredDelay, String), CliError> {
     println!(
         "Open and close your hand and move it about for {} s, now fast, now slowly, at no even beat. Enter begins.",
         args.seconds
@@ -197,15 +199,15 @@ fn compare(
     session.watch(args.seconds)?;
     let by = |part| lag(&session.trace, &session.second, part);
     let found = match args.of {
-        Some(Which::Fingers) => by(Part::Fingers),
-        Some(Which::Wrist) => by(Part::Wrist),
-        None => by(Part::Fingers).or_else(|first| match first {
-            Doubt::TooFew { .. } => by(Part::Wrist).map_err(|_| first),
+        Some(ComparedWord::Fingers) => by(ComparedPart::Fingers),
+        Some(ComparedWord::Wrist) => by(ComparedPart::Wrist),
+        None => by(ComparedPart::Fingers).or_else(|first| match first {
+            Doubt::TooFew { .. } => by(ComparedPart::Wrist).map_err(|_| first),
             _ => Err(first),
         }),
     };
     let Lag { measured, correlation } = found.map_err(|doubt| refused(&doubt))?;
-    let total = Measured { mean: measured.mean + known, ..measured };
+    let total = MeasuredDelay { mean: measured.mean + known, ..measured };
     let advice = "the second tracker's own is stated wrongly, or the two see different motions";
     let total = possible(total, advice).map_err(|doubt| refused(&doubt))?;
     let how = format!(
@@ -220,7 +222,11 @@ fn compare(
 }
 
 /// The delay by keys that are tapped, and how it came about.
-fn tap(session: &mut Session, args: &Args, keys: &Keys) -> Result<(Measured, String), CliError> {
+fn tap(
+    session: &mut Session,
+    args: &Args,
+    keys: &Keys,
+) -> Result<(MeasuredDelay, String), CliError> {
     let finger = args.finger as usize;
     println!(
         "Tap a key with your {}, {} times, about once a second: from a few centimetres above, briskly, and rest on it \
@@ -230,7 +236,7 @@ fn tap(session: &mut Session, args: &Args, keys: &Keys) -> Result<(Measured, Str
     );
     let told = session.watch_keys(args.taps as usize, keys)?;
     let late = taps(&session.trace, finger, &told).map_err(|doubt| refused(&doubt))?;
-    let total = Measured { mean: late.mean + args.key_delay, ..late };
+    let total = MeasuredDelay { mean: late.mean + args.key_delay, ..late };
     let advice = "the key's own is stated wrongly, or another finger taps";
     let total = possible(total, advice).map_err(|doubt| refused(&doubt))?;
     let how = format!(
@@ -244,7 +250,7 @@ fn tap(session: &mut Session, args: &Args, keys: &Keys) -> Result<(Measured, Str
     Ok((total, how))
 }
 
-fn tell(side: Side, args: &Args, found: &Measured, how: &str, rate: f64, noise: Option<f64>) {
+fn tell(side: Side, args: &Args, found: &MeasuredDelay, how: &str, rate: f64, noise: Option<f64>) {
     let hand = if side == Side::Left { "left" } else { "right" };
     println!("{hand} hand of {}", args.address);
     println!(

@@ -18,11 +18,11 @@ use thenar_link::Driver;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
-    what: What,
+    what: DevicesCommand,
 }
 
 #[derive(Debug, clap::Subcommand)]
-enum What {
+enum DevicesCommand {
     /// List connected devices and all drivers.
     List,
     /// Check whether this machine is fit for touch, and how to mend what it lacks.
@@ -45,13 +45,13 @@ enum What {
 /// The address is wrong, the device silent, or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
     match &args.what {
-        What::List => list::run(),
-        What::Check(args) => check::run(args),
-        What::Test(args) => test::run(args),
-        What::Calibrate(args) => calibrate::run(args),
-        What::Comfort(args) => comfort::run(args),
-        What::Latency(args) => latency::run(args),
-        What::Simulate(args) => simulate::run(args),
+        DevicesCommand::List => list::run(),
+        DevicesCommand::Check(args) => check::run(args),
+        DevicesCommand::Test(args) => test::run(args),
+        DevicesCommand::Calibrate(args) => calibrate::run(args),
+        DevicesCommand::Comfort(args) => comfort::run(args),
+        DevicesCommand::Latency(args) => latency::run(args),
+        DevicesCommand::Simulate(args) => simulate::run(args),
     }
 }
 

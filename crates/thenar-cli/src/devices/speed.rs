@@ -28,14 +28,14 @@ const TIPS: [usize; DIGITS] = [4, 9, 14, 19, 24];
 pub struct Speeds {
     side: Side,
     levers: [[f64; 3]; DIGITS],
-    last: Option<(u64, Measured)>,
+    last: Option<(u64, PoseSample)>,
     digits: [f64; DIGITS],
     wrist: Vec3,
 }
 
 /// What is compared.
 #[derive(Clone, Copy)]
-enum Measured {
+enum PoseSample {
     Angles([f64; ANGLES], Vec3),
     Tips([Pose; DIGITS], Pose),
 }
@@ -54,10 +54,10 @@ impl Speeds {
         }
         let measured = match &sample.pose {
             None => return self.forget(),
-            Some(LivePose::Angles { wrist, angles }) => Measured::Angles(*angles, wrist.position),
+            Some(LivePose::Angles { wrist, angles }) => PoseSample::Angles(*angles, wrist.position),
             Some(LivePose::Joints { joints, .. }) => {
                 let wrist = joints[0];
-                Measured::Tips(TIPS.map(|tip| wrist.inverse() * joints[tip]), wrist)
+                PoseSample::Tips(TIPS.map(|tip| wrist.inverse() * joints[tip]), wrist)
             }
         };
         let Some((at, before)) = &self.last else {
@@ -80,9 +80,9 @@ impl Speeds {
         (self.last, self.digits, self.wrist) = (None, [0.0; DIGITS], Vec3::zeros());
     }
 
-    fn between(&self, a: &Measured, b: &Measured, dt: f64) -> ([f64; DIGITS], Vec3) {
+    fn between(&self, a: &PoseSample, b: &PoseSample, dt: f64) -> ([f64; DIGITS], Vec3) {
         match (a, b) {
-            (Measured::Angles(a, from), Measured::Angles(b, to)) => {
+            (PoseSample::Angles(a, from), PoseSample::Angles(b, to)) => {
                 let rate = |k: usize| (b[k] - a[k]) / dt;
                 let opening = |d: usize| {
                     let [base, second, third] = self.levers[d];
@@ -91,7 +91,7 @@ impl Speeds {
                 };
                 (std::array::from_fn(opening), (to - from) / dt)
             }
-            (Measured::Tips(a, from), Measured::Tips(b, to)) => {
+            (PoseSample::Tips(a, from), PoseSample::Tips(b, to)) => {
                 // Out of the back of the finger, in the hand's frame.
                 let opening = |d: usize| {
                     let moved: Vec3 = b[d].position - a[d].position;

@@ -96,7 +96,7 @@ fn solver_name(kind: SolverKind) -> &'static str {
     match kind {
         SolverKind::TwoStep => "two-step",
         SolverKind::Exact => "exact",
-        SolverKind::Monolithic => "dense reference",
+        SolverKind::DenseReference => "dense reference",
     }
 }
 
@@ -164,7 +164,7 @@ pub fn print(session: &Session, outcome: &Outcome) {
         .hands()
         .iter()
         .zip(&s.hands)
-        .map(|(hand, peaks)| Hand {
+        .map(|(hand, peaks)| HandPeaks {
             name: &hand.name,
             peaks: *peaks,
             points: areas_of_points(world, hand.flesh()),
@@ -206,7 +206,7 @@ fn stages(outcome: &Outcome) {
 }
 
 /// A hand, and the most that pressed on its fingers.
-struct Hand<'a> {
+struct HandPeaks<'a> {
     name: &'a str,
     peaks: [HandLoad; 5],
     /// Area for which a vertex stands where each finger's skin is fine \[m²\].
@@ -235,8 +235,8 @@ fn areas_of_points(world: &World, soft: Option<u32>) -> [f64; 5] {
 }
 
 /// Tables of the fingers that touched something, one for each hand, under its name where there are several.
-fn fingers(hands: &[Hand]) -> Vec<String> {
-    let touched = |hand: &&Hand| hand.peaks.iter().any(|peak| peak.normal > 0.0);
+fn fingers(hands: &[HandPeaks]) -> Vec<String> {
+    let touched = |hand: &&HandPeaks| hand.peaks.iter().any(|peak| peak.normal > 0.0);
     let (mut lines, mut is_fine) = (Vec::new(), true);
     for hand in hands.iter().filter(touched) {
         if hands.len() > 1 {
@@ -278,8 +278,8 @@ fn fingers(hands: &[Hand]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    fn hand(name: &str, peaks: [HandLoad; 5]) -> Hand<'_> {
-        Hand { name, peaks, points: [4e-6; 5] }
+    fn hand(name: &str, peaks: [HandLoad; 5]) -> HandPeaks<'_> {
+        HandPeaks { name, peaks, points: [4e-6; 5] }
     }
 
     /// A hand of which one finger is pressed by `normal` on `area`.

@@ -1,7 +1,7 @@
 //! One case, from its scene to its row.
 
 use super::record::Record;
-use super::{Args, Place, Scene};
+use super::{Args, Scene, ShardFiles};
 use crate::building::unheard;
 use crate::error::CliError;
 use crate::{interrupt, run};
@@ -31,7 +31,7 @@ impl<E: Into<CliError>> From<E> for Cut {
 pub fn run_case(
     args: &Args,
     scene: &Scene,
-    place: &Place,
+    place: &ShardFiles,
     case: u64,
     overrides: &[String],
     stop: impl Fn() -> bool,
@@ -47,7 +47,7 @@ pub fn run_case(
 fn attempt(
     args: &Args,
     scene: &Scene,
-    place: &Place,
+    place: &ShardFiles,
     case: u64,
     overrides: &[String],
     stop: impl Fn() -> bool,
@@ -81,7 +81,12 @@ fn attempt(
 struct Probes(Option<TableWriter<Output>>);
 
 impl Probes {
-    fn create(args: &Args, place: &Place, case: u64, session: &Session) -> Result<Self, CliError> {
+    fn create(
+        args: &Args,
+        place: &ShardFiles,
+        case: u64,
+        session: &Session,
+    ) -> Result<Self, CliError> {
         if !args.probe || session.columns().is_empty() {
             return Ok(Self(None));
         }

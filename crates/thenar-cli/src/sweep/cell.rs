@@ -2,14 +2,14 @@
 
 /// What a column of values holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ColumnKind {
     Truth,
     Count,
     Number,
     Word,
 }
 
-impl Kind {
+impl ColumnKind {
     /// The narrowest kind that all values are of.
     pub fn of<'a>(values: impl Iterator<Item = &'a str> + Clone) -> Self {
         let all = |is: fn(&str) -> bool| values.clone().all(is);
@@ -73,12 +73,12 @@ mod tests {
 
     #[test]
     fn columns_are_as_narrow_as_their_values() {
-        let kind = |values: &[&'static str]| Kind::of(values.iter().copied());
-        assert_eq!(kind(&["true", "false"]), Kind::Truth);
-        assert_eq!(kind(&["1", "-2", "1_000"]), Kind::Count);
-        assert_eq!(kind(&["1", "2.5", "1e-3"]), Kind::Number);
-        assert_eq!(kind(&["1", "right"]), Kind::Word);
-        assert_eq!(kind(&["[1, 2]", "\"a\""]), Kind::Word);
+        let kind = |values: &[&'static str]| ColumnKind::of(values.iter().copied());
+        assert_eq!(kind(&["true", "false"]), ColumnKind::Truth);
+        assert_eq!(kind(&["1", "-2", "1_000"]), ColumnKind::Count);
+        assert_eq!(kind(&["1", "2.5", "1e-3"]), ColumnKind::Number);
+        assert_eq!(kind(&["1", "right"]), ColumnKind::Word);
+        assert_eq!(kind(&["[1, 2]", "\"a\""]), ColumnKind::Word);
         assert_eq!(word("\"a\\tb\""), "a\tb");
         assert_eq!(word("[1, 2]"), "[1, 2]");
         assert_eq!((count("1_000"), number("1")), (Some(1000), Some(1.0)));

@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 use super::record::{Record, Row};
-use super::{Place, Scene};
+use super::{Scene, ShardFiles};
 use crate::building::unheard;
 use crate::error::CliError;
 use crate::interrupt;
@@ -17,7 +17,7 @@ const TRIES: u64 = 64;
 ///
 /// # Errors
 /// The program was asked to end.
-pub fn row(scene: &Scene, plan: &Plan, place: &Place) -> Result<Row, CliError> {
+pub fn row(scene: &Scene, plan: &Plan, place: &ShardFiles) -> Result<Row, CliError> {
     let mut tried = Vec::new();
     for case in (0..TRIES).map(|k| spread(k, plan.cases)) {
         if tried.contains(&case) {

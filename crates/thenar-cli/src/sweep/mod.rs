@@ -119,7 +119,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mut scene = Scene::read(&args.scene)?;
     let (plan, files) = Plan::make(args, &scene)?;
     scene.files = Files::read(files, &scene);
-    let place = Place::new(&args.out, args.shard)?;
+    let place = ShardFiles::new(&args.out, args.shard)?;
     let manifest = Manifest::new(args, &scene, &plan);
     manifest.settle(&args.out)?;
     interrupt::listen();
@@ -142,7 +142,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
 /// Where a shard's files are.
 #[derive(Debug)]
-pub struct Place {
+pub struct ShardFiles {
     /// Records of cases that are whole, as long as the table is not.
     cases: PathBuf,
     /// The cases' probe tables.
@@ -152,7 +152,7 @@ pub struct Place {
     lock: PathBuf,
 }
 
-impl Place {
+impl ShardFiles {
     fn new(folder: &Path, shard: Shard) -> Result<Self, CliError> {
         let Shard { number, count } = shard;
         let name = format!("shard-{number}-of-{count}");
@@ -196,7 +196,7 @@ impl Place {
 }
 
 /// Says how it went, and whether cases failed.
-fn conclude(args: &Args, place: &Place) -> Result<(), CliError> {
+fn conclude(args: &Args, place: &ShardFiles) -> Result<(), CliError> {
     let (cases, failed) = manifest::outcome(&place.figures)?;
     if !args.quiet {
         let (cases, results) = (counted(cases, "case"), place.results.display());

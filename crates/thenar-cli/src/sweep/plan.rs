@@ -1,7 +1,7 @@
 //! Which cases there are.
 
 use super::axis::{Axis, tidy};
-use super::cell::Kind;
+use super::cell::ColumnKind;
 use super::{Args, Scene, seeds, table};
 use crate::error::CliError;
 use std::collections::BTreeSet;
@@ -24,7 +24,7 @@ pub struct Plan {
     set: Vec<String>,
     groups: Vec<Group>,
     /// Name and kind of the columns that tell cases apart, in the order of groups.
-    pub columns: Vec<(String, Kind)>,
+    pub columns: Vec<(String, ColumnKind)>,
     /// How many cases there are.
     pub cases: u64,
 }
@@ -60,7 +60,7 @@ impl Plan {
     fn add(&mut self, keys: Vec<String>, choices: Vec<Vec<String>>) -> Result<(), CliError> {
         let begin = self.columns.len();
         for (i, key) in keys.iter().enumerate() {
-            let kind = Kind::of(choices.iter().map(|choice| choice[i].as_str()));
+            let kind = ColumnKind::of(choices.iter().map(|choice| choice[i].as_str()));
             self.columns.push((key.clone(), kind));
         }
         let targets = keys.into_iter().enumerate().map(|(i, key)| (key, begin + i)).collect();
@@ -69,7 +69,7 @@ impl Plan {
 
     fn add_seeds(&mut self, keys: Vec<String>, seeds: Vec<Vec<String>>) -> Result<(), CliError> {
         let column = self.columns.len();
-        self.columns.push(("seed".into(), Kind::Count));
+        self.columns.push(("seed".into(), ColumnKind::Count));
         let targets: Vec<_> = keys.into_iter().map(|key| (key, column)).collect();
         let choices = seeds.into_iter().map(|s| vec![s[0].clone(); targets.len()]).collect();
         self.push(Group { targets, choices })

@@ -3,7 +3,7 @@
 use super::case::{Cut, run_case};
 use super::plan::Plan;
 use super::record::Record;
-use super::{Args, Place, Scene};
+use super::{Args, Scene, ShardFiles};
 use crate::error::CliError;
 use crate::interrupt;
 use crate::progress::Meter;
@@ -22,7 +22,7 @@ pub fn run(
     args: &Args,
     scene: &Scene,
     plan: &Plan,
-    place: &Place,
+    place: &ShardFiles,
     threads: usize,
 ) -> Result<(), CliError> {
     std::fs::create_dir_all(&place.cases)

@@ -1,10 +1,10 @@
 //! Records of a shard as one Parquet table.
 
-use super::cell::{Kind, count, number, truth, word};
+use super::cell::{ColumnKind, count, number, truth, word};
 use super::manifest::Manifest;
 use super::plan::Plan;
 use super::record::{Record, Row};
-use super::{Place, Shard};
+use super::{Shard, ShardFiles};
 use crate::error::CliError;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
@@ -40,7 +40,7 @@ struct Column {
 /// A record is missing, or a file cannot be written.
 pub fn write(
     plan: &Plan,
-    place: &Place,
+    place: &ShardFiles,
     shard: Shard,
     manifest: &Manifest,
     row: &Row,
@@ -69,10 +69,10 @@ fn columns(plan: &Plan, records: &[Record], row: &Row) -> Vec<Column> {
     for (i, (key, kind)) in plan.columns.iter().enumerate() {
         let values = records.iter().map(|record| plan.values(record.case)[i]);
         let cells = match kind {
-            Kind::Truth => Cells::Truth(values.map(truth).collect()),
-            Kind::Count => Cells::Count(values.map(count).collect()),
-            Kind::Number => Cells::Number(values.map(number).collect()),
-            Kind::Word => Cells::Word(values.map(|v| Some(text(&word(v)))).collect()),
+            ColumnKind::Truth => Cells::Truth(values.map(truth).collect()),
+            ColumnKind::Count => Cells::Count(values.map(count).collect()),
+            ColumnKind::Number => Cells::Number(values.map(number).collect()),
+            ColumnKind::Word => Cells::Word(values.map(|v| Some(text(&word(v)))).collect()),
         };
         columns.push(column(key, "", cells));
     }

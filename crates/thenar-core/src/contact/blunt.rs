@@ -91,7 +91,7 @@ pub(crate) fn has_edges(shape: &Shape) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Part;
+    use crate::contact::PlacedShape;
     use crate::math::Pose;
 
     const EDGE: f64 = 8e-3;
@@ -134,7 +134,7 @@ mod tests {
     /// A floor and a wall, and a point 5 µm in the floor and 20 µm before the wall.
     #[test]
     fn the_floor_of_a_corner_stays_where_a_wall_is_near() {
-        let part = |half: Vec3, at: Vec3| Part {
+        let part = |half: Vec3, at: Vec3| PlacedShape {
             shape: Shape::Cuboid { half },
             pose_SP: Pose::translation(at.x, at.y, at.z),
         };

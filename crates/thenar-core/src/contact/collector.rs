@@ -1,28 +1,28 @@
 //! Where contacts go as they are found.
 
-use crate::contact::{Contact, Found, Site};
+use crate::contact::{Contact, SearchReport, Site};
 
 /// Keeps at most `capacity` contacts, the deepest ones; or, without an output, only the depth.
 pub(crate) struct Collector<'a> {
     out: Option<&'a mut Vec<Contact>>,
     capacity: usize,
-    found: Found,
+    found: SearchReport,
     /// Since it was full the contacts are a heap, the shallowest first, until they are put in order.
     heaped: bool,
     /// Depths that are not measured.
-    known: Known<'a>,
+    known: KnownDepths<'a>,
 }
 
 /// How deep each body is known to be in others \[m\].
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Known<'a> {
+pub(crate) struct KnownDepths<'a> {
     pub rigids: &'a [f64],
     pub softs: &'a [f64],
     /// Depth beyond these that is not measured either \[m\].
     pub slack: f64,
 }
 
-impl Known<'_> {
+impl KnownDepths<'_> {
     /// Depth that a deformable body is known to have in others \[m\]; zero where nothing is known.
     pub fn of_soft(&self, soft: u32) -> f64 {
         self.softs.get(soft as usize).copied().unwrap_or(0.0)
@@ -49,13 +49,13 @@ impl<'a> Collector<'a> {
     pub fn into(out: &'a mut Vec<Contact>, capacity: usize) -> Self {
         out.clear();
         out.reserve(capacity);
-        let known = Known::default();
-        Self { out: Some(out), capacity, found: Found::default(), heaped: false, known }
+        let known = KnownDepths::default();
+        Self { out: Some(out), capacity, found: SearchReport::default(), heaped: false, known }
     }
 
     /// Only measures, and only what is deeper than known.
-    pub fn measuring(known: Known<'a>) -> Self {
-        Self { out: None, capacity: 0, found: Found::default(), heaped: false, known }
+    pub fn measuring(known: KnownDepths<'a>) -> Self {
+        Self { out: None, capacity: 0, found: SearchReport::default(), heaped: false, known }
     }
 
     /// Takes one contact.
@@ -98,12 +98,12 @@ impl<'a> Collector<'a> {
     }
 
     /// The counts. Contacts of one pair of bodies are then together, as they were found.
-    pub fn finish(mut self) -> Found {
+    pub fn finish(mut self) -> SearchReport {
         if self.heaped {
             self.sort_by_key(|c| (body_of(&c.a), body_of(&c.b), c.key));
         }
         let contacts = self.out.map_or(0, |out| out.len() as u32);
-        Found { contacts, ..self.found }
+        SearchReport { contacts, ..self.found }
     }
 }
 

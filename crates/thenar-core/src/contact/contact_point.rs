@@ -82,7 +82,7 @@ pub struct SurfaceState<'a> {
 
 /// What a search came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct SearchReport {
     /// Contacts delivered.
     pub contacts: u32,
     /// Contacts left out because the capacity was reached (the deepest were kept), and pairs of rigid bodies

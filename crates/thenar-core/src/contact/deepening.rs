@@ -7,7 +7,7 @@
 use crate::contact::Shape;
 use crate::contact::aabb::Aabb;
 use crate::contact::apart::Apart;
-use crate::contact::collector::Known;
+use crate::contact::collector::KnownDepths;
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::surface::Surface;
 use crate::math::{Mat3, Pose, Vec3};
@@ -21,7 +21,7 @@ const TRIANGLES_MIN: usize = 16;
 
 /// How bodies have moved since their contacts were found.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Moved<'a> {
+pub(crate) struct Displacements<'a> {
     /// Where rigid bodies were.
     pub poses_WB: &'a [Pose],
     /// How far the vertices of all surfaces went \[m\].
@@ -152,7 +152,7 @@ pub(super) struct Since<'a> {
     pub rigids: &'a [RigidMove],
     /// Ways of the vertices of all surfaces \[m\].
     pub vertices: &'a [Vec3],
-    pub known: Known<'a>,
+    pub known: KnownDepths<'a>,
 }
 
 impl Since<'_> {
@@ -207,7 +207,7 @@ impl Since<'_> {
 mod tests {
     use super::*;
     use crate::contact::tests::{Scene, boxed, cube, moved};
-    use crate::contact::{Detector, Found, Sides, SurfaceState};
+    use crate::contact::{Detector, SearchReport, SeenSides, SurfaceState};
     use crate::math::Quat;
     use crate::model::Motion;
     use crate::noise::Noise;
@@ -226,7 +226,7 @@ mod tests {
         scene
     }
 
-    fn search(after: &Scene, since: Option<&Scene>) -> Found {
+    fn search(after: &Scene, since: Option<&Scene>) -> SearchReport {
         let all = |scene: &Scene| -> Vec<Vec3> {
             scene.surfaces.iter().flat_map(|surface| surface.0.clone()).collect()
         };
@@ -236,10 +236,10 @@ mod tests {
         let poses: Vec<Pose> = since.iter().flat_map(|s| &s.places).map(|p| p.pose_WB).collect();
         let from = since.map_or_else(Vec::new, all);
         let ways: Vec<Vec3> = positions.iter().zip(&from).map(|(x, x0)| x - x0).collect();
-        let moved = since.map(|_| Moved { poses_WB: &poses, vertices: &ways });
-        let known = Known { slack: SLACK, ..Known::default() };
+        let moved = since.map(|_| Displacements { poses_WB: &poses, vertices: &ways });
+        let known = KnownDepths { slack: SLACK, ..KnownDepths::default() };
         let mut detector = Detector::new(&after.desc);
-        detector.measure(&after.places, states, &Sides::default(), known, moved)
+        detector.measure(&after.places, states, &SeenSides::default(), known, moved)
     }
 
     /// Bodies that part, meet, turn and bend from where none overlaps: what a whole search finds is found, of pairs

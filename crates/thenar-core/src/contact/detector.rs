@@ -6,13 +6,13 @@ use crate::contact::aabb::Aabb;
 use crate::contact::apart::Apart;
 use crate::contact::area::{self, AreaScratch, Skin};
 use crate::contact::area_between::between_soft;
-use crate::contact::collector::{Collector, Known};
-use crate::contact::deepening::{Clusters, Moved, RigidMove, Since};
+use crate::contact::collector::{Collector, KnownDepths};
+use crate::contact::deepening::{Clusters, Displacements, RigidMove, Since};
 use crate::contact::manifold::{DELIVERED_MAX, Manifold};
 use crate::contact::pairs::PairTable;
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::rigid_pair::Reach;
-use crate::contact::sides::{Sides, Sight};
+use crate::contact::sides::{SeenSides, Sight};
 use crate::contact::soft_feature::FeatureScratch;
 use crate::contact::soft_pairs::{
     SoftPair, neighbors_at_rest, regions, soft_rigid_pairs, soft_soft_pairs,
@@ -20,12 +20,12 @@ use crate::contact::soft_pairs::{
 use crate::contact::soft_rigid::VertexScratch;
 use crate::contact::soft_soft::PairScratch;
 use crate::contact::surface::Surface;
-use crate::contact::{Contact, Found, RigidPlace, Site, SurfaceState};
+use crate::contact::{Contact, RigidPlace, SearchReport, Site, SurfaceState};
 use crate::math::Vec3;
 use crate::model::WorldDesc;
 
 /// Finds contacts. Holds the constant part of the world's surfaces and shapes, and all work space;
-/// what it must remember from step to step is in [`Sides`].
+/// what it must remember from step to step is in [`SeenSides`].
 #[derive(Clone, Debug)]
 pub struct Detector {
     pairs: PairTable,
@@ -152,10 +152,10 @@ impl Detector {
         reach: Reach,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
-        before: &Sides,
-        now: &mut Sides,
+        before: &SeenSides,
+        now: &mut SeenSides,
         out: &mut Vec<Contact>,
-    ) -> Found {
+    ) -> SearchReport {
         debug_assert_eq!(rigids.len(), self.bodies.len(), "places, rigid bodies");
         let vertices = self.surfaces.iter().map(Surface::vertex_count).sum();
         let given = [surfaces.positions.len(), surfaces.velocities.len()];
@@ -184,9 +184,9 @@ impl Detector {
         &mut self,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
-        before: &Sides,
+        before: &SeenSides,
     ) -> f64 {
-        self.measure(rigids, surfaces, before, Known::default(), None).penetration
+        self.measure(rigids, surfaces, before, KnownDepths::default(), None).penetration
     }
 
     /// Deepest penetration \[m\] of those that are not known of their bodies; zero when none is. Looked for where
@@ -195,9 +195,9 @@ impl Detector {
         &mut self,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
-        before: &Sides,
-        known: Known<'_>,
-        moved: Moved<'_>,
+        before: &SeenSides,
+        known: KnownDepths<'_>,
+        moved: Displacements<'_>,
     ) -> f64 {
         self.measure(rigids, surfaces, before, known, Some(moved)).penetration
     }
@@ -207,10 +207,10 @@ impl Detector {
         &mut self,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
-        before: &Sides,
-        known: Known<'_>,
-        moved: Option<Moved<'_>>,
-    ) -> Found {
+        before: &SeenSides,
+        known: KnownDepths<'_>,
+        moved: Option<Displacements<'_>>,
+    ) -> SearchReport {
         let mut collector = Collector::measuring(known);
         let mut sight = Sight { before, now: None };
         let reach = Reach { h: 0.0, margin: 0.0 };

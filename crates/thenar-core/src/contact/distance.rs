@@ -1,6 +1,6 @@
 //! Signed distance to each shape.
 
-use crate::contact::{Part, Shape, ellipsoid};
+use crate::contact::{PlacedShape, Shape, ellipsoid};
 use crate::math::Vec3;
 use std::cell::Cell;
 
@@ -76,7 +76,7 @@ impl Shape {
 }
 
 /// The part in which `p` lies deepest, or which is nearest.
-fn compound(p: &Vec3, parts: &[Part]) -> Distance {
+fn compound(p: &Vec3, parts: &[PlacedShape]) -> Distance {
     let mut least = Distance { value: f64::INFINITY, gradient: Vec3::y() };
     for part in parts {
         let d = part.shape.distance(&part.pose_SP.inverse_point(p));
@@ -258,7 +258,7 @@ mod tests {
             let d = ellipsoid.distance(&Vec3::from(p));
             assert!((d.value - value).abs() < 1e-12, "{p:?}: {d:?}");
         }
-        let two = [-1.0, 1.0].map(|x| Part {
+        let two = [-1.0, 1.0].map(|x| PlacedShape {
             shape: Shape::Sphere { radius: 0.5 },
             pose_SP: Pose::translation(x, 0.0, 0.0),
         });

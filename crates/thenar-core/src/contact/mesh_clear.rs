@@ -50,7 +50,7 @@ mod tests {
     use crate::contact::grid::tests::grid_of;
     use crate::contact::rigid_body::RigidBody;
     use crate::contact::rigid_pair::{Reach, RigidSide};
-    use crate::contact::sweep::Mover;
+    use crate::contact::sweep::MovingPiece;
     use crate::contact::tests::{boxed, cube};
     use crate::math::{Mat3, Pose, Quat};
     use crate::model::{Motion, RigidDesc};
@@ -99,7 +99,7 @@ mod tests {
             let pose = Pose::new(random.vector(0.05), turn);
             let placed = [(&capsule, pose), (&cubic, Pose::identity())]
                 .map(|(body, pose)| body.place(&place(pose), 0.0));
-            let mover = |body, k: usize| Mover {
+            let mover = |body, k: usize| MovingPiece {
                 side: RigidSide { body, placed: &placed[k] },
                 piece: &body.pieces[0],
             };

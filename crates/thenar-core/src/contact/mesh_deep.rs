@@ -7,7 +7,7 @@
 use crate::contact::Distance;
 use crate::contact::manifold::Manifold;
 use crate::contact::mesh_pair::{DEEP, Pair};
-use crate::contact::soft_inside::{Inner, inner_balls};
+use crate::contact::soft_inside::{InnerBall, inner_balls};
 use crate::math::Vec3;
 
 /// Set in the feature of a ball.
@@ -27,7 +27,7 @@ pub(super) struct DeepFace {
 pub(super) fn find(pair: &Pair, deepest: Option<DeepFace>, manifold: &mut Manifold) {
     let mut next = DEEP | OF_BALL;
     let mut is_inside = false;
-    inner_balls(pair.a.shape, |Inner { center, radius }| {
+    inner_balls(pair.a.shape, |InnerBall { center, radius }| {
         let center_W = pair.a.world_point(&center);
         let there = pair.b.distance(&center_W);
         let found = Distance { value: there.value - radius, ..there };

@@ -305,7 +305,7 @@ mod tests {
     use crate::contact::grid::tests::grid_of;
     use crate::contact::tests::{boxed, cube};
     use crate::contact::triangle::ROUNDED_UP;
-    use crate::contact::{MeshShape, Part, Shape};
+    use crate::contact::{MeshShape, PlacedShape, Shape};
     use crate::math::Pose;
     use crate::noise::Noise;
     use std::cell::Cell;
@@ -421,7 +421,8 @@ mod tests {
         other.0.iter_mut().for_each(|p| p.x += 0.03);
         let both = join(cube(0.05, 2), other);
         let mesh = MeshShape::new(both.0, both.1, any_grid());
-        let part = |x: f64| Part { shape: boxed(0.025), pose_SP: Pose::translation(x, 0.0, 0.0) };
+        let part =
+            |x: f64| PlacedShape { shape: boxed(0.025), pose_SP: Pose::translation(x, 0.0, 0.0) };
         let union = Shape::Compound(Arc::new(vec![part(0.0), part(0.03)]));
         let mut random = Noise::seeded(8);
         for _ in 0..2000 {

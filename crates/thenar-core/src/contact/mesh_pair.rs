@@ -19,7 +19,7 @@ use crate::contact::mesh_normals::{SAME, STANDING};
 use crate::contact::nearest::{longest_edge, place_unknown, point as weighted, sharpened};
 use crate::contact::rigid_pair::{Reach, reversed};
 use crate::contact::support::{Solid, inradius, support};
-use crate::contact::sweep::Mover;
+use crate::contact::sweep::MovingPiece;
 use crate::contact::{Distance, MeshShape, Shape};
 use crate::math::Vec3;
 
@@ -61,7 +61,12 @@ pub(crate) fn mesh_of(shape: &Shape) -> Option<&MeshShape> {
 }
 
 /// Adds the contact points of any convex shape or half-space A against mesh B.
-pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
+pub(crate) fn convex_on_mesh(
+    a: &MovingPiece,
+    b: &MovingPiece,
+    reach: Reach,
+    manifold: &mut Manifold,
+) {
     let Some(mesh) = mesh_of(&b.piece.shape) else { return };
     let pair = Pair::new(a, b, reach);
     if matches!(pair.a.shape, Shape::HalfSpace) {
@@ -148,7 +153,12 @@ fn drop_strays(first: usize, shallow: f64, manifold: &mut Manifold) {
 }
 
 /// Adds the contact points of two meshes.
-pub(crate) fn mesh_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
+pub(crate) fn mesh_on_mesh(
+    a: &MovingPiece,
+    b: &MovingPiece,
+    reach: Reach,
+    manifold: &mut Manifold,
+) {
     let (Some(mesh_a), Some(mesh_b)) = (mesh_of(&a.piece.shape), mesh_of(&b.piece.shape)) else {
         return;
     };
@@ -165,7 +175,7 @@ pub(crate) fn mesh_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Ma
 pub(super) struct Pair<'a> {
     pub a: Solid<'a>,
     pub b: Solid<'a>,
-    pub movers: [&'a Mover<'a>; 2],
+    pub movers: [&'a MovingPiece<'a>; 2],
     pub reach: Reach,
     /// How far points can move against each other in the step \[m\].
     pub travel: f64,
@@ -174,10 +184,10 @@ pub(super) struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    pub fn new(a: &'a Mover<'a>, b: &'a Mover<'a>, reach: Reach) -> Self {
+    pub fn new(a: &'a MovingPiece<'a>, b: &'a MovingPiece<'a>, reach: Reach) -> Self {
         let (pa, pb) = (a.side.placed, b.side.placed);
         let travel = reach.h * (pa.velocity - pb.velocity).norm() + pa.turn + pb.turn;
-        let size = |m: &Mover| match mesh_of(&m.piece.shape) {
+        let size = |m: &MovingPiece| match mesh_of(&m.piece.shape) {
             Some(_) => m.side.body.radius,
             None => inradius(&m.piece.shape),
         };

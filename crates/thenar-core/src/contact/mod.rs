@@ -94,13 +94,13 @@ mod triangle;
 #[cfg(test)]
 mod truth_tests;
 
-pub(crate) use collector::Known;
-pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceState};
-pub(crate) use deepening::Moved;
+pub(crate) use collector::KnownDepths;
+pub use contact_point::{Contact, RigidPlace, SearchReport, Site, SurfacePoint, SurfaceState};
+pub(crate) use deepening::Displacements;
 pub use detector::Detector;
 pub use distance::Distance;
 pub use places::HeldPlace;
 pub use rigid_pair::Reach;
-pub use shape::{DistanceGrid, MeshShape, Part, Shape};
-pub use sides::{Side, Sides};
+pub use shape::{DistanceGrid, MeshShape, PlacedShape, Shape};
+pub use sides::{SeenSide, SeenSides};
 pub(crate) use triangle::{closest_on_triangle, cut_by_ray, stands_for};

@@ -1,6 +1,6 @@
 //! A triangle of a soft surface near a rigid shape, seen from the shape.
 
-use crate::contact::Part;
+use crate::contact::PlacedShape;
 use crate::contact::aabb::Aabb;
 use crate::contact::soft_rigid::SoftRigid;
 use crate::contact::triangle::{Closest, ROUNDED_UP, closest_on_triangle};
@@ -55,7 +55,7 @@ impl Near {
     }
 
     /// True when any point of the triangle can come within `margin` \[m\] of a convex part in this step.
-    pub fn may_touch(&self, part: &Part, margin: f64) -> bool {
+    pub fn may_touch(&self, part: &PlacedShape, margin: f64) -> bool {
         let x = self.x.map(|p| part.pose_SP.inverse_point(&p));
         part.shape.least_over(&x) <= margin + self.travel
     }

@@ -3,7 +3,7 @@
 //! follows from the way between parts along the surface or through the body.
 
 use super::tests::{Scene, cube, moved};
-use super::{Contact, Detector, Shape, Sides, Site};
+use super::{Contact, Detector, SeenSides, Shape, Site};
 use crate::math::{Pose, Quat, Vec3};
 use crate::model::{Binding, Coupling, JointDesc, JointKind, Motion, Skinning, Springs};
 use std::collections::BTreeMap;
@@ -158,9 +158,9 @@ fn a_contact_that_slides_on_to_a_joined_bone_s_flesh_goes_on() {
             let far = Pose::translation(10.0 + f64::from(k), 0.0, 0.0);
             scene.rigid(Motion::Prescribed, Shape::Sphere { radius: 0.1 }, far);
         }
-        let (mut detector, mut sides) = (Detector::new(&scene.desc), Sides::default());
+        let (mut detector, mut sides) = (Detector::new(&scene.desc), SeenSides::default());
         let turn = Quat::from_axis_angle(&Vec3::y_axis(), turn);
-        let mut gaps_at = |x: f64, depth: f64, sides: &mut Sides| -> Vec<f64> {
+        let mut gaps_at = |x: f64, depth: f64, sides: &mut SeenSides| -> Vec<f64> {
             scene.surfaces[0].0.copy_from_slice(&points);
             for p in &mut scene.surfaces[0].0[first..] {
                 *p = turn * *p + Vec3::new(x, 0.045 - depth, 0.003);

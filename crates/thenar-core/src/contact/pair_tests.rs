@@ -4,7 +4,7 @@
 
 use crate::contact::grid::tests::grid_of;
 use crate::contact::tests::{Scene, boxed, cube};
-use crate::contact::{Contact, MeshShape, Part, Shape};
+use crate::contact::{Contact, MeshShape, PlacedShape, Shape};
 use crate::math::{Pose, Quat, Vec3};
 use crate::model::Motion;
 use crate::noise::Noise;
@@ -48,7 +48,7 @@ pub(super) fn mesh_cube(half: f64, n: u32) -> Shape {
 }
 
 fn shapes() -> Vec<Shape> {
-    let part = |shape, pose_SP| Part { shape, pose_SP };
+    let part = |shape, pose_SP| PlacedShape { shape, pose_SP };
     let lying = Quat::from_scaled_axis(Vec3::z() * 0.5 * PI);
     let dumbbell = vec![
         part(

@@ -8,7 +8,7 @@ use crate::contact::convex_pair;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
 use crate::contact::mesh_pair::{DEEP, KIND, convex_on_mesh, mesh_of, mesh_on_mesh};
 use crate::contact::rigid_body::{Placed, RigidBody};
-use crate::contact::sweep::{Mover, meeting};
+use crate::contact::sweep::{MovingPiece, meeting};
 use crate::contact::traced;
 
 /// One of two rigid bodies.
@@ -35,7 +35,8 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
     manifold.clear();
     for (i, piece_a) in a.body.pieces.iter().enumerate() {
         for (j, piece_b) in b.body.pieces.iter().enumerate() {
-            let (a, b) = (Mover { side: a, piece: piece_a }, Mover { side: b, piece: piece_b });
+            let (a, b) =
+                (MovingPiece { side: a, piece: piece_a }, MovingPiece { side: b, piece: piece_b });
             let first = manifold.begin();
             pieces(&a, &b, reach, manifold);
             let of_pair = ((i * 4096 + j) as u32).wrapping_mul(0x9E37_79B1);
@@ -49,7 +50,14 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
 
 /// Leaves out points from `first` on inside another piece of a body, or nearer to another piece than to
 /// their own, after the part `s` of the step.
-fn drop_buried(a: &Mover, b: &Mover, s: f64, h: f64, first: usize, manifold: &mut Manifold) {
+fn drop_buried(
+    a: &MovingPiece,
+    b: &MovingPiece,
+    s: f64,
+    h: f64,
+    first: usize,
+    manifold: &mut Manifold,
+) {
     let bodies = [a, b].map(|m| m.side.body);
     if bodies.iter().all(|body| body.pieces.len() == 1) {
         return;
@@ -73,7 +81,7 @@ fn drop_buried(a: &Mover, b: &Mover, s: f64, h: f64, first: usize, manifold: &mu
 }
 
 /// Two pieces.
-fn pieces(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
+fn pieces(a: &MovingPiece, b: &MovingPiece, reach: Reach, manifold: &mut Manifold) {
     let shapes = (&a.piece.shape, &b.piece.shape);
     if matches!(shapes, (Shape::HalfSpace, Shape::HalfSpace)) {
         return;
@@ -89,7 +97,7 @@ fn pieces(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
 }
 
 /// Two convex pieces, where they are, or where they will meet within the step.
-fn convex(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
+fn convex(a: &MovingPiece, b: &MovingPiece, reach: Reach, manifold: &mut Manifold) {
     let Some(s) = meeting(a, b, reach) else { return };
     let first = manifold.points().len();
     let (solid_a, solid_b) = (a.at(s, reach.h), b.at(s, reach.h));
@@ -108,7 +116,7 @@ fn convex(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
 /// velocities is to hold at the end of the step: a body that is led, and its normal with it (by at
 /// most 60°), is looked at where it turns to; one that moves by forces moves straight on, as its
 /// constraint does. In pure translation that adds to the gap what the way closes.
-fn carry(a: &Mover, b: &Mover, s: f64, h: f64, p: &mut ManifoldPoint) {
+fn carry(a: &MovingPiece, b: &MovingPiece, s: f64, h: f64, p: &mut ManifoldPoint) {
     let half = 0.5 * p.gap * p.normal_W;
     let met = [p.position_W + half, p.position_W - half];
     let led = if a.side.body.dynamic { b } else { a };

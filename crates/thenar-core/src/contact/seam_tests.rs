@@ -3,7 +3,7 @@
 use super::approach::Seen;
 use super::sides::Sight;
 use super::tests::{Scene, cube, moved};
-use super::{Detector, Sides};
+use super::{Detector, SeenSides};
 use crate::math::{Quat, Vec3};
 
 /// Edge of the cubes \[m\].
@@ -21,10 +21,10 @@ fn deepest(cells: u32, (turn, off): (Quat, Vec3), touched: &[usize]) -> f64 {
         points.iter_mut().for_each(|p| *p = turn * *p);
         moved(points, by);
     }
-    let (mut detector, mut sides) = (Detector::new(&scene.desc), Sides::default());
+    let (mut detector, mut sides) = (Detector::new(&scene.desc), SeenSides::default());
     if !touched.is_empty() {
         let count = scene.surfaces[0].0.len();
-        let (before, mut now) = (Sides::default(), Sides::with_capacity(2 * count));
+        let (before, mut now) = (SeenSides::default(), SeenSides::with_capacity(2 * count));
         let mut sight = Sight { before: &before, now: Some(&mut now) };
         for &soft in touched {
             let points = &scene.surfaces[soft].0;

@@ -50,13 +50,13 @@ pub enum Shape {
         height: f64,
     },
     /// The union of several shapes.
-    Compound(#[cfg_attr(feature = "serde", serde(with = "shared"))] Arc<Vec<Part>>),
+    Compound(#[cfg_attr(feature = "serde", serde(with = "shared"))] Arc<Vec<PlacedShape>>),
 }
 
 /// A shape in a compound: any but a half-space or another compound.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Part {
+pub struct PlacedShape {
     /// What it is.
     pub shape: Shape,
     /// Placement of its frame in the compound's frame S.

@@ -7,8 +7,8 @@
 use crate::contact::features::{corners, edges, rim, rim_points};
 use crate::contact::sharp_blocks::Blocks;
 use crate::contact::soft_edge::{Edge, Edges};
-use crate::contact::soft_inside::{Inner, inner_balls};
-use crate::contact::{Part, Shape};
+use crate::contact::soft_inside::{InnerBall, inner_balls};
+use crate::contact::{PlacedShape, Shape};
 use crate::math::{Pose, Vec3};
 
 /// Most points within an edge: on a longer one they stand farther apart.
@@ -25,9 +25,9 @@ pub(crate) struct Sharp {
     /// Straight edges that have points within them.
     pub edges: Edges,
     /// What is smooth and curved, each in its own frame P.
-    pub rounds: Vec<Part>,
+    pub rounds: Vec<PlacedShape>,
     /// Balls inside.
-    pub inner: Vec<Inner>,
+    pub inner: Vec<InnerBall>,
 }
 
 impl Sharp {
@@ -39,7 +39,7 @@ impl Sharp {
         match shape {
             Shape::Compound(parts) => parts.iter().for_each(|part| {
                 inner_balls(&part.shape, |ball| {
-                    inner.push(Inner { center: part.pose_SP.point(&ball.center), ..ball });
+                    inner.push(InnerBall { center: part.pose_SP.point(&ball.center), ..ball });
                 });
             }),
             _ => inner_balls(shape, |ball| inner.push(ball)),
@@ -58,7 +58,7 @@ struct Found {
     /// Points within edges.
     within: Vec<Vec3>,
     edges: Vec<Edge>,
-    rounds: Vec<Part>,
+    rounds: Vec<PlacedShape>,
 }
 
 impl Found {
@@ -105,7 +105,7 @@ impl Found {
         self.points[first[0]..].iter_mut().for_each(|p| *p = pose_SP.point(p));
         self.within[first[1]..].iter_mut().for_each(|p| *p = pose_SP.point(p));
         if !matches!(shape, Shape::HalfSpace | Shape::Cuboid { .. } | Shape::Mesh(_)) {
-            self.rounds.push(Part { shape: shape.clone(), pose_SP: *pose_SP });
+            self.rounds.push(PlacedShape { shape: shape.clone(), pose_SP: *pose_SP });
         }
     }
 
@@ -172,12 +172,12 @@ mod tests {
 
     #[test]
     fn parts_of_a_compound_keep_their_places() {
-        let ball = Part {
+        let ball = PlacedShape {
             shape: Shape::Sphere { radius: 0.01 },
             pose_SP: Pose::translation(0.0, 0.02, 0.0),
         };
         let cube = Shape::Cuboid { half: Vec3::repeat(0.01) };
-        let cube = Part { shape: cube, pose_SP: Pose::translation(0.1, 0.0, 0.0) };
+        let cube = PlacedShape { shape: cube, pose_SP: Pose::translation(0.1, 0.0, 0.0) };
         let both = Shape::Compound(std::sync::Arc::new(vec![ball.clone(), cube]));
         let sharp = Sharp::of(&both, 0.1);
         assert_eq!((sharp.points.len(), sharp.rounds, sharp.inner.len()), (8, vec![ball], 2));

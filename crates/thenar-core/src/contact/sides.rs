@@ -9,7 +9,7 @@ use std::ops::Range;
 /// What a surface vertex saw of a body it was near.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Side {
+pub struct SeenSide {
     /// Vertex, counted over all deformable bodies.
     pub vertex: u32,
     /// The other body: rigid bodies count first, then deformable ones.
@@ -21,7 +21,7 @@ pub struct Side {
     pub place: Vec3,
 }
 
-impl Side {
+impl SeenSide {
     fn key(&self) -> (u32, u32) {
         (self.vertex, self.other)
     }
@@ -31,9 +31,9 @@ impl Side {
 /// into a thin body; part of the state.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sides {
+pub struct SeenSides {
     /// Sorted by vertex, then body, once the search is over.
-    seen: Room<Side>,
+    seen: Room<SeenSide>,
     /// Places that follow round parts. What writes a state down keeps them apart: they came last to it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) places: Places,
@@ -42,7 +42,7 @@ pub struct Sides {
     most: usize,
 }
 
-impl Sides {
+impl SeenSides {
     /// Room for `sides` sides.
     pub fn with_capacity(sides: usize) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl Sides {
     }
 
     /// All, in order.
-    pub fn as_slice(&self) -> &[Side] {
+    pub fn as_slice(&self) -> &[SeenSide] {
         &self.seen
     }
 
@@ -83,33 +83,34 @@ impl Sides {
     }
 
     /// What some vertices saw of `other`, in their order.
-    pub(crate) fn of(&self, vertices: Range<usize>, other: u32) -> impl Iterator<Item = &Side> {
+    pub(crate) fn of(&self, vertices: Range<usize>, other: u32) -> impl Iterator<Item = &SeenSide> {
         let start = self.seen.partition_point(|side| (side.vertex as usize) < vertices.start);
         // A state that was read back may not be in order.
-        let wanted =
-            move |side: &&Side| side.other == other && vertices.contains(&(side.vertex as usize));
+        let wanted = move |side: &&SeenSide| {
+            side.other == other && vertices.contains(&(side.vertex as usize))
+        };
         self.seen[start..].iter().filter(wanted)
     }
 
     /// What `vertex` saw of `other`.
     fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
-        let at = self.seen.binary_search_by_key(&(vertex as u32, other), Side::key).ok()?;
-        let Side { normal, place, .. } = self.seen[at];
+        let at = self.seen.binary_search_by_key(&(vertex as u32, other), SeenSide::key).ok()?;
+        let SeenSide { normal, place, .. } = self.seen[at];
         Some(Seen { normal, place })
     }
 
     /// Puts the notes of a search in order.
     pub(crate) fn sort(&mut self) {
-        self.seen.sort_unstable_by_key(Side::key);
+        self.seen.sort_unstable_by_key(SeenSide::key);
         self.places.held.sort_unstable_by_key(|held| held.key);
     }
 }
 
 /// The sides of the step before, and room for those of this one.
 pub(crate) struct Sight<'a> {
-    pub before: &'a Sides,
+    pub before: &'a SeenSides,
     /// `None` when only looking.
-    pub now: Option<&'a mut Sides>,
+    pub now: Option<&'a mut SeenSides>,
 }
 
 impl Sight<'_> {
@@ -121,7 +122,7 @@ impl Sight<'_> {
     /// Notes what it sees now; beyond the room it is not kept.
     pub fn note(&mut self, vertex: usize, other: u32, Seen { normal, place }: Seen) {
         if let Some(now) = self.now.as_mut().filter(|now| now.seen.len() < now.most) {
-            now.seen.push(Side { vertex: vertex as u32, other, normal, place });
+            now.seen.push(SeenSide { vertex: vertex as u32, other, normal, place });
         }
     }
 
@@ -153,7 +154,7 @@ mod tests {
     #[test]
     fn what_was_noted_is_recalled_for_its_vertex_and_body_only() {
         let seen = |x| Seen { normal: Vec3::y(), place: Vec3::repeat(x) };
-        let (before, mut now) = (Sides::default(), Sides::with_capacity(3));
+        let (before, mut now) = (SeenSides::default(), SeenSides::with_capacity(3));
         let mut sight = Sight { before: &before, now: Some(&mut now) };
         for (vertex, other, x) in [(4, 1, 1.0), (0, 8, 2.0), (0, 7, 3.0), (9, 9, 4.0)] {
             sight.note(vertex, other, seen(x));

@@ -16,7 +16,7 @@ use crate::math::Vec3;
 
 /// A ball inside a shape, in its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Inner {
+pub(crate) struct InnerBall {
     pub center: Vec3,
     /// Radius \[m\].
     pub radius: f64,
@@ -24,11 +24,11 @@ pub(crate) struct Inner {
 
 /// Adds balls inside a shape that is no compound, in its frame: of a capsule both ends and the middle, of
 /// a mesh that about the deepest point of its grid, of others the middle.
-pub(crate) fn inner_balls(shape: &Shape, mut add: impl FnMut(Inner)) {
+pub(crate) fn inner_balls(shape: &Shape, mut add: impl FnMut(InnerBall)) {
     let mut about = |center: Vec3| {
         let radius = -shape.distance(&center).value;
         if radius > 0.0 {
-            add(Inner { center, radius });
+            add(InnerBall { center, radius });
         }
     };
     match shape {

@@ -15,7 +15,7 @@ use crate::contact::sides::Sight;
 use crate::contact::soft_feature::Touch;
 use crate::contact::soft_rigid::{KEY_SEGMENT, SoftRigid};
 use crate::contact::triangle::{Feature, ROUNDED_UP, closest_on_triangle, segment_parameter};
-use crate::contact::{Distance, Part, Shape};
+use crate::contact::{Distance, PlacedShape, Shape};
 use crate::math::Vec3;
 
 /// Alternations between line and triangle on the way to their nearest points.
@@ -63,7 +63,7 @@ type Place = (u32, Feature, [f64; 3]);
 pub(crate) fn meet_round(
     pair: &SoftRigid,
     near: &Near,
-    (r, part): (u32, &Part),
+    (r, part): (u32, &PlacedShape),
     sight: &mut Sight,
     touches: &mut Touches,
 ) {
@@ -215,7 +215,7 @@ fn for_each_place(
 fn offer(
     pair: &SoftRigid,
     near: &Near,
-    (r, part): (u32, &Part),
+    (r, part): (u32, &PlacedShape),
     (place, feature, weights): Place,
     found: Distance,
     touches: &mut Touches,
@@ -233,7 +233,7 @@ fn arrive_at_line(
     pair: &SoftRigid,
     near: &Near,
     r: u32,
-    part: &Part,
+    part: &PlacedShape,
     (line, radius): &([Vec3; 2], f64),
     touches: &mut Touches,
 ) {
@@ -264,7 +264,7 @@ fn arrive(
     pair: &SoftRigid,
     near: &Near,
     r: u32,
-    part: &Part,
+    part: &PlacedShape,
     x: &[Vec3; 3],
     touches: &mut Touches,
 ) {
@@ -283,7 +283,7 @@ fn arrive(
 fn blunted_on(
     pair: &SoftRigid,
     near: &Near,
-    part: &Part,
+    part: &PlacedShape,
     (p, weights): (&Vec3, &[f64; 3]),
     now: Distance,
 ) -> Distance {
@@ -304,7 +304,7 @@ fn blunted_on(
 fn rounded(
     pair: &SoftRigid,
     near: &Near,
-    part: &Part,
+    part: &PlacedShape,
     (feature, weights): (Feature, &[f64; 3]),
     now: Distance,
 ) -> Option<Distance> {

@@ -21,12 +21,12 @@ pub(crate) const MEETING: f64 = 0.05;
 
 /// A piece of a body that moves.
 #[derive(Clone, Copy)]
-pub(crate) struct Mover<'a> {
+pub(crate) struct MovingPiece<'a> {
     pub side: RigidSide<'a>,
     pub piece: &'a Piece,
 }
 
-impl<'a> Mover<'a> {
+impl<'a> MovingPiece<'a> {
     /// The piece after the part `s` of a step of length `h`.
     pub fn at(&self, s: f64, h: f64) -> Solid<'a> {
         let placed = self.side.placed;
@@ -47,14 +47,14 @@ impl<'a> Mover<'a> {
 
     /// True when a contact with `other` at `p_W` has the lever of this body: that of the body that is met by the
     /// other, or moves faster.
-    pub fn has_lever(&self, other: &Mover, p_W: &Vec3) -> bool {
-        let speed = |m: &Mover| m.side.placed.velocity_at(p_W).norm();
-        let dynamic = |m: &Mover| m.side.body.dynamic;
+    pub fn has_lever(&self, other: &MovingPiece, p_W: &Vec3) -> bool {
+        let speed = |m: &MovingPiece| m.side.placed.velocity_at(p_W).norm();
+        let dynamic = |m: &MovingPiece| m.side.body.dynamic;
         !dynamic(other) || (dynamic(self) && speed(self) >= speed(other))
     }
 
     /// How far a point of the body can be carried by turning in a step, as far as `other` reaches.
-    fn turn(&self, other: &Mover, h: f64) -> f64 {
+    fn turn(&self, other: &MovingPiece, h: f64) -> f64 {
         let placed = self.side.placed;
         if !matches!(self.piece.shape, Shape::HalfSpace) {
             return placed.turn;
@@ -65,7 +65,7 @@ impl<'a> Mover<'a> {
     }
 
     /// How far points of the two can move against each other in a step of length `h` \[m\].
-    pub fn travel(&self, other: &Mover, h: f64) -> f64 {
+    pub fn travel(&self, other: &MovingPiece, h: f64) -> f64 {
         let between = (self.side.placed.velocity - other.side.placed.velocity) * h;
         between.norm() + self.turn(other, h) + other.turn(self, h)
     }
@@ -93,7 +93,7 @@ impl<'a> Mover<'a> {
         0.5 * angle * angle * self.side.body.radius > MEETING * reach.margin
     }
 
-    /// True for a body that is led and whose turning leads points off their tangent, as in [`Mover::leaves_tangent`].
+    /// True for a body that is led and whose turning leads points off their tangent, as in [`MovingPiece::leaves_tangent`].
     pub fn is_turned_fast(&self, reach: Reach) -> bool {
         !self.side.body.dynamic && self.leaves_tangent(reach)
     }
@@ -109,7 +109,7 @@ fn moved(placed: &Placed, time: f64) -> (Mat3, Vec3) {
 
 /// The part of the step after which the contact of A and B is to be looked for: 0 when they move
 /// little, `None` when they pass or stay away.
-pub(crate) fn meeting(a: &Mover, b: &Mover, reach: Reach) -> Option<f64> {
+pub(crate) fn meeting(a: &MovingPiece, b: &MovingPiece, reach: Reach) -> Option<f64> {
     let h = reach.h;
     if a.travel(b, h) <= reach.margin {
         return Some(0.0);

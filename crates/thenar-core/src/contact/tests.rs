@@ -1,7 +1,7 @@
 //! Whole searches on small scenes: expected contacts are worked out by hand.
 
 use crate::contact::{
-    Contact, Detector, Found, Reach, RigidPlace, Shape, Sides, Site, SurfaceState,
+    Contact, Detector, Reach, RigidPlace, SearchReport, SeenSides, Shape, Site, SurfaceState,
 };
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::model::{
@@ -73,14 +73,14 @@ impl Scene {
     pub fn find_next(
         &self,
         detector: &mut Detector,
-        sides: &mut Sides,
+        sides: &mut SeenSides,
         h: f64,
         out: &mut Vec<Contact>,
-    ) -> Found {
+    ) -> SearchReport {
         let positions: Vec<Vec3> = self.surfaces.iter().flat_map(|s| s.0.clone()).collect();
         let velocities: Vec<Vec3> = self.surfaces.iter().flat_map(|s| s.1.clone()).collect();
         let surfaces = SurfaceState { positions: &positions, velocities: &velocities };
-        let mut now = Sides::with_capacity(detector.sides_max());
+        let mut now = SeenSides::with_capacity(detector.sides_max());
         let reach = Reach { h, margin: 1e-3 };
         let found = detector.find(reach, &self.places, surfaces, sides, &mut now, out);
         *sides = now;
@@ -106,7 +106,7 @@ impl Scene {
 
     pub fn find(&self, h: f64) -> Vec<Contact> {
         let mut out = Vec::new();
-        self.find_next(&mut Detector::new(&self.desc), &mut Sides::default(), h, &mut out);
+        self.find_next(&mut Detector::new(&self.desc), &mut SeenSides::default(), h, &mut out);
         out
     }
 }
@@ -211,7 +211,7 @@ fn the_side_is_kept() {
     scene.soft(cube(0.02, 2));
     moved(&mut scene.surfaces[0].0, Vec3::new(0.0, 0.0112, 0.0));
     let mut detector = Detector::new(&scene.desc);
-    let (mut sides, mut out) = (Sides::default(), Vec::new());
+    let (mut sides, mut out) = (SeenSides::default(), Vec::new());
     for _ in 0..12 {
         scene.find_next(&mut detector, &mut sides, 1e-3, &mut out);
         for c in &out {
@@ -479,8 +479,8 @@ fn contacts_are_deterministic_and_keys_stable() {
     let (mut a, mut b) = (Vec::new(), Vec::new());
     let mut last: Vec<u64> = Vec::new();
     for step in 0..20 {
-        scene.find_next(&mut one, &mut Sides::default(), 1e-3, &mut a);
-        scene.find_next(&mut two, &mut Sides::default(), 1e-3, &mut b);
+        scene.find_next(&mut one, &mut SeenSides::default(), 1e-3, &mut a);
+        scene.find_next(&mut two, &mut SeenSides::default(), 1e-3, &mut b);
         assert_eq!(a, b);
         let mut keys: Vec<u64> = a.iter().map(|c| c.key).collect();
         keys.sort_unstable();
@@ -531,7 +531,7 @@ fn penetration_is_the_deepest_overlap() {
     moved(&mut scene.surfaces[0].0, Vec3::new(1.0, 0.018, 0.0));
     let (positions, velocities) = &scene.surfaces[0];
     let states = SurfaceState { positions, velocities };
-    let (mut detector, sides) = (Detector::new(&scene.desc), Sides::default());
+    let (mut detector, sides) = (Detector::new(&scene.desc), SeenSides::default());
     assert!((detector.penetration(&scene.places, states, &sides) - 0.003).abs() < 1e-12);
     scene.places[1].pose_WB.position.y = 0.1001;
     assert!((detector.penetration(&scene.places, states, &sides) - 0.002).abs() < 1e-12);

@@ -13,7 +13,7 @@ use crate::contact::mesh_pair::{Pair, mesh_of};
 use crate::contact::rigid_body::Piece;
 use crate::contact::rigid_pair::{Reach, RigidSide, reversed};
 use crate::contact::support::inradius;
-use crate::contact::sweep::{MEETING, Mover};
+use crate::contact::sweep::{MEETING, MovingPiece};
 use crate::math::Vec3;
 
 /// Most advances of one end. Where they end early, the end is not followed: the body is held where it meets the other.
@@ -36,7 +36,7 @@ const EDGES: u32 = 1 << 14;
 pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Manifold) {
     let Some(met) = manifold.points().iter().min_by(|p, q| p.gap.total_cmp(&q.gap)) else { return };
     let normal_W = met.normal_W;
-    let [whole_a, whole_b] = [a, b].map(|side| Mover { side, piece: &side.body.pieces[0] });
+    let [whole_a, whole_b] = [a, b].map(|side| MovingPiece { side, piece: &side.body.pieces[0] });
     let fast = whole_a.travel(&whole_b, reach.h) > reach.margin;
     let has_mesh = |of: &RigidSide| of.body.pieces.iter().any(|p| mesh_of(&p.shape).is_some());
     // Straight ways are no likeness of the ways of bodies that are led round.
@@ -48,7 +48,8 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
     reversed(manifold, |m| points_of(b, &whole_a, reach, &normal_W, TRACED | OF_B, m));
     for (i, piece_a) in a.body.pieces.iter().enumerate() {
         for (j, piece_b) in b.body.pieces.iter().enumerate() {
-            let movers = [Mover { side: a, piece: piece_a }, Mover { side: b, piece: piece_b }];
+            let movers =
+                [MovingPiece { side: a, piece: piece_a }, MovingPiece { side: b, piece: piece_b }];
             let pieces = (i as u32) << 24 | (j as u32) << 20;
             edges(&movers, reach, TRACED | EDGES | pieces, manifold);
         }
@@ -56,7 +57,7 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
 }
 
 /// The edges of box A that arrive at edges of box B.
-fn edges([a, b]: &[Mover; 2], reach: Reach, flag: u32, manifold: &mut Manifold) {
+fn edges([a, b]: &[MovingPiece; 2], reach: Reach, flag: u32, manifold: &mut Manifold) {
     let (Shape::Cuboid { half: half_a }, Shape::Cuboid { half: half_b }) =
         (&a.piece.shape, &b.piece.shape)
     else {
@@ -73,8 +74,9 @@ fn edges([a, b]: &[Mover; 2], reach: Reach, flag: u32, manifold: &mut Manifold) 
         for (j, other) in others.iter().enumerate() {
             let Some(met) = own.arrival(&ways, other) else { continue };
             let there = b.at(met.when, reach.h).world_point(&met.q);
-            let is_buried =
-                |m: &Mover| m.whole_at(met.when, reach.h).distance(&there).value < -reach.margin;
+            let is_buried = |m: &MovingPiece| {
+                m.whole_at(met.when, reach.h).distance(&there).value < -reach.margin
+            };
             if is_buried(a) || is_buried(b) {
                 continue;
             }
@@ -90,14 +92,14 @@ fn edges([a, b]: &[Mover; 2], reach: Reach, flag: u32, manifold: &mut Manifold) 
 /// The points of all pieces of A that arrive at B, which lies towards `towards_W`.
 fn points_of(
     a: RigidSide,
-    b: &Mover,
+    b: &MovingPiece,
     reach: Reach,
     towards_W: &Vec3,
     flag: u32,
     manifold: &mut Manifold,
 ) {
     for (i, piece) in a.body.pieces.iter().enumerate() {
-        let a = Mover { side: a, piece };
+        let a = MovingPiece { side: a, piece };
         let trace = Trace { a: &a, b, reach, travel: a.travel(b, reach.h) };
         let towards = a.at(0.0, reach.h).rotation.tr_mul(towards_W);
         let mut next = flag | (i as u32) << 20;
@@ -168,8 +170,8 @@ fn ends(piece: &Piece, d: &Vec3, mut each: impl FnMut(Vec3, f64)) {
 
 /// A piece of A on its way to the whole of B.
 struct Trace<'a> {
-    a: &'a Mover<'a>,
-    b: &'a Mover<'a>,
+    a: &'a MovingPiece<'a>,
+    b: &'a MovingPiece<'a>,
     reach: Reach,
     /// How far points can move against each other in the step \[m\].
     travel: f64,

@@ -59,7 +59,8 @@ fn to_shape(p_S: &Vec3, shape: &Shape) -> f64 {
         Shape::Ellipsoid { half } => to_ellipsoid(p_S, half),
         Shape::HalfSpace => p_S.y,
         Shape::Compound(parts) => {
-            let to_part = |part: &Part| to_shape(&part.pose_SP.inverse_point(p_S), &part.shape);
+            let to_part =
+                |part: &PlacedShape| to_shape(&part.pose_SP.inverse_point(p_S), &part.shape);
             parts.iter().map(to_part).fold(f64::INFINITY, f64::min)
         }
         Shape::Mesh(mesh) => {
@@ -106,7 +107,7 @@ fn to_ellipsoid(p: &Vec3, half: &Vec3) -> f64 {
 
 /// A rod with a ball and a box at its ends.
 fn dumbbell() -> Shape {
-    let part = |shape, pose_SP| Part { shape, pose_SP };
+    let part = |shape, pose_SP| PlacedShape { shape, pose_SP };
     let lying = Quat::from_scaled_axis(Vec3::z() * std::f64::consts::FRAC_PI_2);
     let rod = Shape::Cylinder { radius: 0.004, half_length: 0.015 };
     Shape::Compound(Arc::new(vec![

@@ -26,6 +26,6 @@ pub use surface::{EmbeddedSurface, SurfaceVertex};
 mod world;
 
 pub use world::{
-    BodyId, Cone, Coupling, Drive, FleshInStep1, HandHandle, HandPlacement, Limits, PairRule,
+    BodyId, Cone, Coupling, Drive, FleshInStep1, HandHandle, HandPlacement, JointLimits, PairRule,
     SoftDesc, SolverKind, SolverSettings, Springs, WorldDesc,
 };

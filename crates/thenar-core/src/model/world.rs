@@ -114,12 +114,12 @@ pub enum SolverKind {
     TwoStep,
     /// Eq. 9 with its joint rows and contacts in one dense solve, which allocates and costs the cube of the unknowns:
     /// what tests and `thenar validate` measure the others against. No scene or setting chooses it.
-    Monolithic,
+    DenseReference,
 }
 
 /// What keeps a joint within its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limits {
+pub enum JointLimits {
     /// A bound that is not passed, whatever the load: an inequality in one system with contact. The
     /// two-step scheme has no such rows and uses springs.
     Rows,
@@ -156,7 +156,7 @@ pub struct SolverSettings {
     /// Friction cone.
     pub cone: Cone,
     /// Joint limits.
-    pub limits: Limits,
+    pub limits: JointLimits,
     /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it. For motion that a step
     /// does not foresee, as other contacts make it: a millimetre is 6 cm/s at 60 steps a second. A wider one costs
     /// constraints that bear nothing.
@@ -182,7 +182,7 @@ impl Default for SolverSettings {
             contact_work_max: None,
             contact_inner_passes: 2,
             cone: Cone::Circular,
-            limits: Limits::Rows,
+            limits: JointLimits::Rows,
             contact_margin: 1e-3,
             step_halvings_max: 5,
         }

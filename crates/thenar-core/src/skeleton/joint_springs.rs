@@ -1,7 +1,7 @@
 //! Springs, dampers and limits about joint axes.
 
 use crate::math::Vec3;
-use crate::model::{AngleLimit, Axis, JointDesc, JointKind, Limits};
+use crate::model::{AngleLimit, Axis, JointDesc, JointKind, JointLimits};
 use crate::skeleton::JointFrames;
 use std::f64::consts::TAU;
 
@@ -37,12 +37,12 @@ pub fn axis_states(kind: JointKind, frames: &JointFrames) -> [Option<AxisState>;
 pub fn spring_torque(
     axis: &Axis,
     joint: &JointDesc,
-    limits: Limits,
+    limits: JointLimits,
     angle: f64,
 ) -> (f64, f64, f64) {
     let mut torque = -axis.stiffness * stretch(axis, angle);
     let (mut stiffness, mut damping) = (axis.stiffness, axis.damping);
-    let past = if limits == Limits::Springs { past_limit(axis, angle) } else { 0.0 };
+    let past = if limits == JointLimits::Springs { past_limit(axis, angle) } else { 0.0 };
     if past != 0.0 {
         torque -= joint.limit_stiffness * past;
         stiffness += joint.limit_stiffness;
@@ -52,9 +52,9 @@ pub fn spring_torque(
 }
 
 /// Energy of the spring, and of a limit's where limits are kept by springs, at this angle \[J\].
-pub fn spring_energy(axis: &Axis, joint: &JointDesc, limits: Limits, angle: f64) -> f64 {
+pub fn spring_energy(axis: &Axis, joint: &JointDesc, limits: JointLimits, angle: f64) -> f64 {
     let stretch = stretch(axis, angle);
-    let past = if limits == Limits::Springs { past_limit(axis, angle) } else { 0.0 };
+    let past = if limits == JointLimits::Springs { past_limit(axis, angle) } else { 0.0 };
     0.5 * (axis.stiffness * stretch * stretch + joint.limit_stiffness * past * past)
 }
 
@@ -130,7 +130,7 @@ mod tests {
             let limit = range.map(|(min, max)| AngleLimit { min, max });
             let axis = Axis { limit, stiffness: 0.04, rest_angle, damping: 0.1 };
             let joint = hinge(axis);
-            for limits in [Limits::Springs, Limits::Rows] {
+            for limits in [JointLimits::Springs, JointLimits::Rows] {
                 for angle in [-3.1, -2.6, -0.5, -0.1, 0.3, 0.9, 1.4, 2.6, 3.1] {
                     let energy = |q: f64| spring_energy(&axis, &joint, limits, q);
                     let torque = |q: f64| spring_torque(&axis, &joint, limits, q).0;
@@ -153,7 +153,8 @@ mod tests {
     #[test]
     fn a_spring_acts_the_shorter_way_or_as_wound() {
         let free = Axis { stiffness: 1.0, rest_angle: 3.0, ..Axis::default() };
-        let torque = |axis: &Axis, angle| spring_torque(axis, &hinge(*axis), Limits::Rows, angle).0;
+        let torque =
+            |axis: &Axis, angle| spring_torque(axis, &hinge(*axis), JointLimits::Rows, angle).0;
         assert!((torque(&free, 3.15 - TAU) + 0.15).abs() < 1e-12);
         assert!((torque(&free, -0.1) - 3.1).abs() < 1e-12);
         assert!((torque(&free, -0.2) - (3.2 - TAU)).abs() < 1e-12);

@@ -226,7 +226,7 @@ fn rigid_change(
 mod tests {
     use super::*;
     use crate::math::Mat3;
-    use crate::solver::Monolithic;
+    use crate::solver::DenseSystem;
     use crate::testing::Random;
 
     /// A first guess that already carries the node away from the wall, by way of its neighbour, must
@@ -294,7 +294,7 @@ mod tests {
                 rows.rows[i].target = Vec3::new(random.range(-0.2, 1.0), 0.3, -0.2);
             }
             let mut exact = rows.clone();
-            let reference = Monolithic::new(&a, &[]).unwrap();
+            let reference = DenseSystem::new(&a, &[]).unwrap();
             let known = vec![[false; 3]; a.rows()];
             let (want, _) = reference.contact(&mut exact, &known, cone, 1e-13);
 

@@ -31,7 +31,7 @@ pub use dense::DenseLu;
 pub use diagonal::BlockDiagonal;
 pub use failure::Failure;
 pub use islands::Islands;
-pub use monolithic::Monolithic;
+pub use monolithic::DenseSystem;
 pub use push_out::Wish;
 pub use turning::{Apart, Turning};
 

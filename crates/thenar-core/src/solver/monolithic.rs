@@ -7,12 +7,12 @@ use crate::model::Cone;
 use crate::solver::{BlockMatrix, ContactRows, Convergence, DenseLu, joint_compliance};
 
 /// The factored system.
-pub struct Monolithic {
+pub struct DenseSystem {
     lu: DenseLu,
     unknowns: usize,
 }
 
-impl Monolithic {
+impl DenseSystem {
     /// Factors the whole system; `J` has one dense row per joint constraint. `None` when it is
     /// singular.
     pub fn new(A: &BlockMatrix, J: &[Vec<f64>]) -> Option<Self> {

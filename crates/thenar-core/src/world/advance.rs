@@ -21,7 +21,7 @@ pub fn advance(
 ) {
     match solver {
         Solver::TwoStep => move_each(model, state, push, h),
-        Solver::Monolithic => advance_jointed(model, state, push, h, None, scratch),
+        Solver::DenseReference => advance_jointed(model, state, push, h, None, scratch),
         Solver::Exact(exact) => advance_jointed(model, state, push, h, Some(exact), scratch),
     }
     state.time += h;

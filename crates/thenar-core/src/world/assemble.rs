@@ -7,10 +7,10 @@
 use crate::coupling::{EffectiveMass, add_part};
 use crate::flesh::Tally;
 use crate::math::{Mat3, Quat, Vec3};
-use crate::model::{Axis, FleshInStep1, Limits, WorldDesc};
+use crate::model::{Axis, FleshInStep1, JointLimits, WorldDesc};
 use crate::skeleton::{JointFrames, axis_states, joint_block, linearise_drive, spring_torque};
 use crate::world::model::Model;
-use crate::world::parts::Part;
+use crate::world::parts::StepPart;
 use crate::world::state::{Scratch, State};
 use crate::world::{Input, JointTarget};
 
@@ -31,10 +31,10 @@ pub fn joint_frames(model: &Model, state: &State, j: usize) -> JointFrames {
 pub fn skeleton(
     desc: &WorldDesc,
     model: &Model,
-    limits: Limits,
+    limits: JointLimits,
     state: &mut State,
     input: &Input,
-    part: Part,
+    part: StepPart,
     scratch: &mut Scratch,
 ) {
     let h = part.h;
@@ -97,7 +97,7 @@ pub fn relaxed_at(axis: &Axis, target: Option<&JointTarget>, k: usize) -> Axis {
 /// Springs and dampers of joint `j`, torques from outside, and a target where the springs are relaxed.
 fn add_joint_springs(
     model: &Model,
-    limits: Limits,
+    limits: JointLimits,
     (torques, target): ([f64; 2], Option<JointTarget>),
     j: usize,
     frames: &JointFrames,

@@ -1,6 +1,6 @@
 //! Checks of a description before anything is built from it.
 
-use crate::contact::{MeshShape, Part, Shape};
+use crate::contact::{MeshShape, PlacedShape, Shape};
 use crate::math::{Mat3, Quat, is_turn, to_turn};
 use crate::model::{
     BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Law, Motion, OGDEN_ALPHA,
@@ -254,7 +254,7 @@ fn check_shape(name: &str, shape: &Shape) -> Result<(), ModelError> {
     }
 }
 
-fn check_compound(name: &str, parts: &[Part]) -> Result<(), ModelError> {
+fn check_compound(name: &str, parts: &[PlacedShape]) -> Result<(), ModelError> {
     number(name, "number of parts", "at least 1", parts.len() as f64, |n| n >= 1.0)?;
     for part in parts {
         let nested = matches!(part.shape, Shape::HalfSpace | Shape::Compound(_));

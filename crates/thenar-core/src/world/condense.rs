@@ -8,10 +8,10 @@
 use crate::condensed::{CondensedContact, RigidState, SlowToFast};
 use crate::contact::Site;
 use crate::math::{Mat3, Vec3};
-use crate::model::{Drive, Limits, WorldDesc};
+use crate::model::{Drive, JointLimits, WorldDesc};
 use crate::solver::TURN_LEVER;
 use crate::solver::exact::{Accuracy, Answer, Exact, PRESSING_MAX, StepSystem};
-use crate::world::parts::Part;
+use crate::world::parts::StepPart;
 use crate::world::readout::Readout;
 use crate::world::scheme::Solver;
 use crate::world::state::{Scratch, State};
@@ -127,7 +127,7 @@ impl Rest<'_> {
         chosen.clear();
         gaps.clear();
         gaps.extend(readout.sites.iter().map(|contact| contact.gap));
-        if desc.solver.limits == Limits::Rows {
+        if desc.solver.limits == JointLimits::Rows {
             gaps.extend(readout.limits.iter().map(|limit| limit.gap * TURN_LEVER));
         }
         let push = readout.push();
@@ -150,7 +150,7 @@ impl Rest<'_> {
         let Self { desc, model, state, scratch, input, .. } = self;
         scratch.before.v.copy_from_slice(&state.v);
         exact::clear(exact, scratch);
-        let rest = Part { h: REST, left: 0.0, reach: 0.0 };
+        let rest = StepPart { h: REST, left: 0.0, reach: 0.0 };
         assemble::skeleton(desc, model, desc.solver.limits, state, input, rest, scratch);
         exact::couple(exact, model, state, REST, &mut scratch.shares);
         assemble::flesh(model, state, input, REST, scratch);

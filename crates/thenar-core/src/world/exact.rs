@@ -2,10 +2,10 @@
 
 use crate::coupling::{Share, skin_target};
 use crate::math::Vec3;
-use crate::model::{Limits, SolverSettings, WorldDesc};
-use crate::solver::exact::{Accuracy, Before, Carried, Exact, Plan, StepSystem};
+use crate::model::{JointLimits, SolverSettings, WorldDesc};
+use crate::solver::exact::{Accuracy, CarriedNode, Exact, LastContact, Plan, StepSystem};
 use crate::solver::{Convergence, Failure, Turning};
-use crate::world::fall_back::Care;
+use crate::world::fall_back::Tolerance;
 use crate::world::model::Model;
 use crate::world::scheme::Scheme;
 use crate::world::state::{Scratch, State};
@@ -23,11 +23,11 @@ pub fn build(desc: &WorldDesc, model: &Model, contacts_max: usize) -> Exact {
     for (s, nodes) in model.soft_nodes.iter().enumerate() {
         soft_of_node[nodes.clone()].fill(s as u32);
     }
-    let carried: Vec<Carried> = model
+    let carried: Vec<CarriedNode> = model
         .coupling
         .bound
         .iter()
-        .map(|bound| Carried {
+        .map(|bound| CarriedNode {
             node: bound.node,
             bones: bound.bones,
             carriers: bound.carriers() as u8,
@@ -75,17 +75,17 @@ pub fn couple(exact: &mut Exact, model: &Model, state: &State, h: f64, shares: &
     }
 }
 
-/// A step by the exact solver. What does not converge is an error, or taken as it is: `care` tells.
+/// A step by the exact solver. What does not converge is an error, or taken as it is: `tolerance` says.
 pub struct ExactScheme<'a> {
     pub exact: &'a mut Exact,
     pub settings: SolverSettings,
-    pub care: Care,
+    pub tolerance: Tolerance,
 }
 
 impl ExactScheme<'_> {
     fn accuracy(&self) -> Accuracy {
         Accuracy {
-            best_effort: self.care == Care::Safe,
+            best_effort: self.tolerance == Tolerance::BestEffort,
             velocity: self.settings.velocity_tolerance,
             iterations_max: self.settings.cg_iterations_max,
             sweeps_max: self.settings.contact_sweeps_max,
@@ -97,7 +97,7 @@ impl Scheme for ExactScheme<'_> {
     /// The exact solver keeps its own factor.
     type Factored = ();
 
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> JointLimits {
         self.settings.limits
     }
 
@@ -131,7 +131,7 @@ impl Scheme for ExactScheme<'_> {
         let accuracy = self.accuracy();
         let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
         let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
-        let before = Before::of(touched, &state.v, model.rigids.len(), &self.settings);
+        let before = LastContact::of(touched, &state.v, model.rigids.len(), &self.settings);
         let Self { exact, .. } = self;
         if touched {
             // Near what the step before had without contact.
@@ -171,7 +171,7 @@ impl Scheme for ExactScheme<'_> {
         h: f64,
         scratch: &mut Scratch,
     ) -> Result<(), Failure> {
-        if self.care == Care::Safe {
+        if self.tolerance == Tolerance::BestEffort {
             let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
             scratch.islands.begin(&scratch.rows);
             self.exact.calm(&step, &mut scratch.islands, &mut state.v);
@@ -181,7 +181,7 @@ impl Scheme for ExactScheme<'_> {
     }
 
     fn pushes_out(&self) -> bool {
-        self.care == Care::Accurate
+        self.tolerance == Tolerance::Required
     }
 
     fn push_out(&mut self, (): &(), model: &Model, scratch: &mut Scratch) {

@@ -17,11 +17,11 @@ use crate::world::{StageTimer, StepReport, advance};
 
 /// What is asked of the exact solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Care {
+pub enum Tolerance {
     /// A solution to tolerance, or none.
-    Accurate,
+    Required,
     /// The best that is found, brought to bring in no energy.
-    Safe,
+    BestEffort,
 }
 
 /// Velocities by the exact solver, or those that stand in for them; `report` then says why.
@@ -36,11 +36,11 @@ pub fn solve(
     report: &mut StepReport,
 ) -> Result<(), Failure> {
     let settings = *settings;
-    let mut scheme = ExactScheme { exact, settings, care: Care::Accurate };
+    let mut scheme = ExactScheme { exact, settings, tolerance: Tolerance::Required };
     let Err(failure) = step.find_velocities(&mut scheme, timer, report) else { return Ok(()) };
 
     begin_again(failure, step, report);
-    scheme.care = Care::Safe;
+    scheme.tolerance = Tolerance::BestEffort;
     if step.find_velocities(&mut scheme, timer, report).is_ok() {
         return Ok(());
     }

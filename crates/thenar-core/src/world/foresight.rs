@@ -2,7 +2,7 @@
 //! may not be halved any more is cut short.
 
 use crate::math::Vec3;
-use crate::world::parts::Part;
+use crate::world::parts::StepPart;
 use crate::world::state::Scratch;
 use crate::world::{StepReport, World};
 
@@ -11,7 +11,7 @@ const CUTS_MAX: u32 = 30;
 
 impl World {
     /// True when linearised forces foresaw what the part just made did to flesh.
-    pub(super) fn flesh_was_foreseen(&self, part: Part, report: &StepReport) -> bool {
+    pub(super) fn flesh_was_foreseen(&self, part: StepPart, report: &StepReport) -> bool {
         let Self { model, state, scratch, .. } = self;
         if report.non_finite {
             return !model.flesh.asks_foresight;
@@ -22,7 +22,7 @@ impl World {
 
     /// True when the part just made brought no energy into corotational flesh. From `v₀` to `v₁` an implicit step
     /// takes out `½ |v₁ - v₀|²_M`, beside what elements tell of themselves.
-    pub(super) fn flesh_gained_nothing(&mut self, part: Part, report: &StepReport) -> bool {
+    pub(super) fn flesh_gained_nothing(&mut self, part: StepPart, report: &StepReport) -> bool {
         let Self { model, state, scratch, .. } = self;
         let row0 = 2 * model.rigids.len();
         let push = scratch.pushes.then_some(&scratch.push[row0..]);
@@ -48,7 +48,7 @@ impl World {
     /// Takes motion out of bodies whose flesh did what was not foreseen, by halves, until it is: the incremental
     /// energy falls along the way that was found, so that some part of it does. A body that nothing holds keeps
     /// its linear momentum.
-    pub(super) fn cut_flesh_short(&mut self, part: Part) {
+    pub(super) fn cut_flesh_short(&mut self, part: StepPart) {
         let Self { desc, model, state, scratch, .. } = self;
         let (row0, before) = (2 * model.rigids.len(), &scratch.before.x);
         for (soft, (nodes, tets)) in model.soft_nodes.iter().zip(&model.soft_tets).enumerate() {

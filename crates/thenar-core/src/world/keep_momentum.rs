@@ -13,12 +13,12 @@
 
 use crate::math::{Mat3, Quat, Vec3, rotation_vector, skew};
 use crate::world::joint_tree::Floating;
-use crate::world::kinematic_advance::Moved;
+use crate::world::kinematic_advance::UnjointedMotion;
 use crate::world::model::Model;
 use crate::world::state::State;
 
 /// Brings what floats to where its momentum would have taken it.
-pub fn keep_course(floating: &Floating, model: &Model, moved: &Moved, state: &mut State) {
+pub fn keep_course(floating: &Floating, model: &Model, moved: &UnjointedMotion, state: &mut State) {
     let (mass, shift) = shift_of(floating, model, moved, state);
     let centre = centre_of(floating, model, state, mass);
     let (inertia, moment) = turn_of(floating, model, moved, state, &centre);
@@ -27,7 +27,7 @@ pub fn keep_course(floating: &Floating, model: &Model, moved: &Moved, state: &mu
 }
 
 /// Gives velocities the angular momentum that positions have cost.
-pub fn keep_spin(floating: &Floating, model: &Model, moved: &Moved, state: &mut State) {
+pub fn keep_spin(floating: &Floating, model: &Model, moved: &UnjointedMotion, state: &mut State) {
     let (mass, _) = shift_of(floating, model, moved, state);
     let centre = centre_of(floating, model, state, mass);
     let (inertia, lost) = lost_spin(floating, model, moved, state, &centre);
@@ -43,7 +43,12 @@ pub fn keep_spin(floating: &Floating, model: &Model, moved: &Moved, state: &mut 
 }
 
 /// M and `Σ m δ`.
-fn shift_of(floating: &Floating, model: &Model, moved: &Moved, state: &State) -> (f64, Vec3) {
+fn shift_of(
+    floating: &Floating,
+    model: &Model,
+    moved: &UnjointedMotion,
+    state: &State,
+) -> (f64, Vec3) {
     let (mut mass, mut shift) = (0.0, Vec3::zeros());
     for &b in &floating.bodies {
         let m = model.rigids[b].mass;
@@ -70,7 +75,7 @@ fn centre_of(floating: &Floating, model: &Model, state: &State, mass: f64) -> Ve
 fn turn_of(
     floating: &Floating,
     model: &Model,
-    moved: &Moved,
+    moved: &UnjointedMotion,
     state: &State,
     centre: &Vec3,
 ) -> (Mat3, Vec3) {
@@ -109,7 +114,7 @@ fn move_all(floating: &Floating, state: &mut State, centre: &Vec3, shift: &Vec3,
 fn lost_spin(
     floating: &Floating,
     model: &Model,
-    moved: &Moved,
+    moved: &UnjointedMotion,
     state: &State,
     centre: &Vec3,
 ) -> (Mat3, Vec3) {

@@ -35,7 +35,7 @@ const ROUNDS_MAX: u32 = 8;
 
 /// Memory for this.
 #[derive(Clone, Debug)]
-pub struct Moved {
+pub struct UnjointedMotion {
     /// Rotation of each joint at the end of the step.
     rotations_JK: Vec<Quat>,
     /// Where each body would be without joints.
@@ -50,7 +50,7 @@ pub struct Moved {
     still: Vec<Vec3>,
 }
 
-impl Moved {
+impl UnjointedMotion {
     /// Room for this model.
     pub fn new(model: &Model) -> Self {
         let (bodies, joints) = (model.rigids.len(), model.joints.len());
@@ -149,7 +149,7 @@ fn largest_error(model: &Model, state: &State) -> f64 {
 }
 
 /// A body turned otherwise than it would by itself keeps its own angular momentum.
-fn keep_own_spins(model: &Model, state: &mut State, moved: &Moved) {
+fn keep_own_spins(model: &Model, state: &mut State, moved: &UnjointedMotion) {
     for (b, body) in model.rigids.iter().enumerate().filter(|(_, body)| body.moves) {
         let (free, now) = (&moved.poses_WB[b], &state.poses_WB[b]);
         if free.rotation == now.rotation {
@@ -161,7 +161,7 @@ fn keep_own_spins(model: &Model, state: &mut State, moved: &Moved) {
 }
 
 /// Takes each carried node along with its target by what the target moves beyond first order.
-fn carry(model: &Model, state: &mut State, moved: &Moved, shares: &mut Vec<Share>) {
+fn carry(model: &Model, state: &mut State, moved: &UnjointedMotion, shares: &mut Vec<Share>) {
     let row0 = 2 * model.rigids.len();
     let posed = model.coupling.offsets.pose(&state.poses_WB, shares);
     for (bound, target_W) in model.coupling.carried().zip(&moved.targets_W) {

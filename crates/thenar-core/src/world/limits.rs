@@ -8,7 +8,7 @@
 //! order of the list, and are solved together with them.
 
 use crate::math::Vec3;
-use crate::model::{AngleLimit, Limits, SolverKind, SolverSettings};
+use crate::model::{AngleLimit, JointLimits, SolverKind, SolverSettings};
 use crate::skeleton::{AxisState, limit_spring_torque, turned_towards};
 use crate::solver::TURN_LEVER;
 use crate::solver::exact::Bound;
@@ -34,13 +34,13 @@ pub struct LimitRow {
 }
 
 /// What keeps limits.
-pub fn kind(settings: &SolverSettings) -> Limits {
-    if by_rows(settings) { Limits::Rows } else { Limits::Springs }
+pub fn kind(settings: &SolverSettings) -> JointLimits {
+    if by_rows(settings) { JointLimits::Rows } else { JointLimits::Springs }
 }
 
 /// True when limits are kept by rows; if not, springs act.
 pub fn by_rows(settings: &SolverSettings) -> bool {
-    settings.limits == Limits::Rows && settings.kind != SolverKind::TwoStep
+    settings.limits == JointLimits::Rows && settings.kind != SolverKind::TwoStep
 }
 
 /// Most rows that limits can need.
@@ -49,10 +49,10 @@ pub fn rows_max(model: &Model) -> usize {
 }
 
 /// Lists the bounds of the step, none where springs keep them.
-pub fn list(limits: Limits, model: &Model, scratch: &mut Scratch) {
+pub fn list(limits: JointLimits, model: &Model, scratch: &mut Scratch) {
     let Scratch { limits: list, axes, .. } = scratch;
     list.clear();
-    if limits == Limits::Springs {
+    if limits == JointLimits::Springs {
         return;
     }
     for (j, k, limit, present) in limited(model, axes) {

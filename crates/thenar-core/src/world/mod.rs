@@ -49,13 +49,13 @@ pub use parts::HALVINGS_MAX;
 pub use state::State;
 pub use validate::Invalid;
 
-use crate::contact::{Contact, Detector, RigidPlace, Sides};
+use crate::contact::{Contact, Detector, RigidPlace, SeenSides};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
 use crate::model::{SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use check::is_time_step;
-use parts::{Part, Parts};
+use parts::{StepPart, StepParts};
 use readout::Readout;
 use scheme::Solver;
 use state::Scratch;
@@ -87,7 +87,7 @@ impl World {
         let contacts_max = detector.capacity();
         state.impulses.reserve(contacts_max);
         let sides_max = detector.sides_max();
-        state.sides = Sides::with_capacity(sides_max);
+        state.sides = SeenSides::with_capacity(sides_max);
         let scratch = Scratch::new(&model, &state, [contacts_max, sides_max]);
         let readout = Readout::new(&model, contacts_max);
         let place = |pose_WB: &Pose| RigidPlace {
@@ -123,7 +123,7 @@ impl World {
     /// When a list of `input` is shorter than [`World::input`] makes it.
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
-        let mut parts = Parts::whole(self.time_step, self.desc.solver.step_halvings_max);
+        let mut parts = StepParts::whole(self.time_step, self.desc.solver.step_halvings_max);
         self.readout.lend(&mut self.scratch);
         self.solver.begin_step(self.desc.solver.contact_work_max);
         let mut unforeseen = 0;
@@ -178,7 +178,7 @@ impl World {
     }
 
     /// Makes one part of a step, as far as its numbers make sense.
-    fn make(&mut self, part: Part, input: &Input, timer: &mut impl StageTimer) -> StepReport {
+    fn make(&mut self, part: StepPart, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let bad_targets = input.bad_targets();
         let mut report = StepReport { bad_targets, parts: 1, ..StepReport::default() };
         self.readout.part_length = part.h;
@@ -200,7 +200,7 @@ impl World {
     /// Finds velocities and moves by them; false when the state makes no sense afterwards.
     fn attempt(
         &mut self,
-        part: Part,
+        part: StepPart,
         input: &Input,
         timer: &mut impl StageTimer,
         report: &mut StepReport,

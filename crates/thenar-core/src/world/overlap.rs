@@ -1,6 +1,6 @@
 //! What overlaps in a state: bodies that were put into each other.
 
-use crate::contact::{Contact, Reach, RigidPlace, Shape, Sides, Site, SurfaceState};
+use crate::contact::{Contact, Reach, RigidPlace, SeenSides, Shape, Site, SurfaceState};
 use crate::math::Vec3;
 use crate::model::{BodyId, RigidDesc, SoftDesc};
 use crate::world::World;
@@ -75,7 +75,7 @@ impl World {
         let positions = self.all_collision_vertices();
         let velocities = vec![Vec3::zeros(); positions.len()];
         let surfaces = SurfaceState { positions, velocities: &velocities };
-        let mut sides = Sides::with_capacity(detector.sides_max());
+        let mut sides = SeenSides::with_capacity(detector.sides_max());
         let mut found = Vec::new();
         let reach = Reach { h: 0.0, margin: 0.0 };
         detector.find(reach, &places, surfaces, &self.state.sides, &mut sides, &mut found);

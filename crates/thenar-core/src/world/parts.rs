@@ -7,7 +7,7 @@
 //! a part that went well the next is twice as long again where the halving allows, and the shortest is made once more
 //! with contact that looks as far as anything went in it, so that what happens once costs little.
 
-use crate::contact::{Known, Moved, Site, SurfaceState};
+use crate::contact::{Displacements, KnownDepths, Site, SurfaceState};
 use crate::math::Vec3;
 use crate::model::SolverKind;
 use crate::solver::Failure;
@@ -34,7 +34,7 @@ pub const HALVINGS_MAX: u32 = 10;
 
 /// A part of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct StepPart {
     /// Length \[s\].
     pub h: f64,
     /// Time from the end of the part to that of the step \[s\].
@@ -45,7 +45,7 @@ pub struct Part {
 
 /// The parts of one step, one after the other: counted in units of the shortest.
 #[derive(Clone, Copy, Debug)]
-pub struct Parts {
+pub struct StepParts {
     /// The step \[s\].
     h: f64,
     units: u32,
@@ -57,7 +57,7 @@ pub struct Parts {
     retries: u32,
 }
 
-impl Parts {
+impl StepParts {
     /// One part, the whole step.
     pub fn whole(h: f64, halvings_max: u32) -> Self {
         let units = 1 << halvings_max.min(HALVINGS_MAX);
@@ -65,10 +65,10 @@ impl Parts {
     }
 
     /// The part to be made; `None` when the step is done.
-    pub fn next(&self) -> Option<Part> {
+    pub fn next(&self) -> Option<StepPart> {
         let time = |units: u32| self.h * (f64::from(units) / f64::from(self.units));
         let left = self.units - self.done;
-        (left > 0).then(|| Part {
+        (left > 0).then(|| StepPart {
             h: time(self.length),
             left: time(left - self.length),
             reach: self.reach,
@@ -179,8 +179,9 @@ impl World {
         scratch.vertex_velocities.fill(Vec3::zeros());
         let surfaces =
             SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities };
-        let moved = Moved { poses_WB: &scratch.before.poses_WB, vertices: &scratch.vertex_ways };
-        let known = Known { rigids, softs, slack };
+        let moved =
+            Displacements { poses_WB: &scratch.before.poses_WB, vertices: &scratch.vertex_ways };
+        let known = KnownDepths { rigids, softs, slack };
         detector.deepening(places, surfaces, &scratch.sides, known, moved)
     }
 
@@ -218,7 +219,7 @@ mod tests {
 
     /// The lengths of the parts, in eighths, when those go well of which their begin and length say so.
     fn lengths(goes_well: impl Fn(u32, u32) -> bool) -> Vec<u32> {
-        let mut parts = Parts::whole(0.8, 3);
+        let mut parts = StepParts::whole(0.8, 3);
         let (mut made, mut begin) = (Vec::new(), 0);
         while let Some(part) = parts.next() {
             let length = (part.h * 10.0).round() as u32;
@@ -238,7 +239,7 @@ mod tests {
     #[test]
     fn flesh_halves_a_step_three_times_at_most() {
         for (halvings, shortest) in [(0, 1.0), (2, 0.25), (3, 0.125), (5, 0.125), (10, 0.125)] {
-            let mut parts = Parts::whole(1.0, halvings);
+            let mut parts = StepParts::whole(1.0, halvings);
             while parts.retry_flesh() {}
             assert_eq!(parts.next().map(|part| part.h), Some(shortest), "{halvings} halvings");
         }

@@ -1,7 +1,7 @@
 //! The reference solution of a step: Eq. 9 in one piece.
 
-use crate::model::{Limits, SolverSettings};
-use crate::solver::{Convergence, Failure, Monolithic};
+use crate::model::{JointLimits, SolverSettings};
+use crate::solver::{Convergence, DenseSystem, Failure};
 use crate::world::assemble;
 use crate::world::model::Model;
 use crate::world::scheme::Scheme;
@@ -12,15 +12,15 @@ use crate::world::two_step::known_rates;
 const TOLERANCE: f64 = 1e-12;
 
 /// A step by the dense reference.
-pub struct Dense {
+pub struct DenseReference {
     pub settings: SolverSettings,
 }
 
-impl Scheme for Dense {
+impl Scheme for DenseReference {
     /// The factored system.
-    type Factored = Monolithic;
+    type Factored = DenseSystem;
 
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> JointLimits {
         self.settings.limits
     }
 
@@ -41,7 +41,7 @@ impl Scheme for Dense {
         state: &mut State,
         h: f64,
         scratch: &mut Scratch,
-    ) -> Result<(Monolithic, Convergence), Failure> {
+    ) -> Result<(DenseSystem, Convergence), Failure> {
         let system = solve(model, state, h, scratch).ok_or(Failure::NotPositiveDefinite)?;
         Ok((system, Convergence::default()))
     }
@@ -49,7 +49,7 @@ impl Scheme for Dense {
     /// Contact through the compliance of the whole system, joints held.
     fn respond(
         &mut self,
-        system: &Monolithic,
+        system: &DenseSystem,
         model: &Model,
         state: &mut State,
         scratch: &mut Scratch,
@@ -64,7 +64,7 @@ impl Scheme for Dense {
         self.settings.contact_tolerance
     }
 
-    fn push_out(&mut self, system: &Monolithic, model: &Model, scratch: &mut Scratch) {
+    fn push_out(&mut self, system: &DenseSystem, model: &Model, scratch: &mut Scratch) {
         let Scratch { rows, wishes, push, .. } = scratch;
         rows.begin_push(wishes);
         let (found, _) = system.contact(rows, &model.known, self.settings.cone, TOLERANCE);
@@ -75,7 +75,7 @@ impl Scheme for Dense {
 
 /// Velocities of skeleton and flesh together, joints included, and the factored system. `None` when it
 /// is singular.
-fn solve(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> Option<Monolithic> {
+fn solve(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> Option<DenseSystem> {
     let unknowns = 3 * model.rows();
     let (mut J, mut c) = (Vec::new(), Vec::new());
     for (j, joint) in model.joints.iter().enumerate() {
@@ -94,7 +94,7 @@ fn solve(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> Opt
             c.push(-block.C[r] / h - known[r]);
         }
     }
-    let system = Monolithic::new(&scratch.A, &J)?;
+    let system = DenseSystem::new(&scratch.A, &J)?;
     state.v = system.solve(&scratch.b, &c).0;
     Some(system)
 }

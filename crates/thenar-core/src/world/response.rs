@@ -1,7 +1,7 @@
 //! Contact of one step: from the points found to impulses (Sec. 3.4, Eq. 12).
 
 use crate::contact::{
-    Contact, Detector, Found, Reach, RigidPlace, Site, SurfacePoint, SurfaceState,
+    Contact, Detector, Reach, RigidPlace, SearchReport, Site, SurfacePoint, SurfaceState,
 };
 use crate::math::Vec3;
 use crate::model::{BodyId, Cone};
@@ -18,7 +18,7 @@ pub fn detect(
     detector: &mut Detector,
     places: &mut [RigidPlace],
     scratch: &mut Scratch,
-) -> Found {
+) -> SearchReport {
     let row0 = 2 * model.rigids.len();
     for (b, place) in places.iter_mut().enumerate() {
         place.pose_WB = state.poses_WB[b];

@@ -1,7 +1,7 @@
 //! What the schemes of a step have in common: [`Step::find_velocities`](crate::world::step::Step)
 //! is the same for all of them but for these parts.
 
-use crate::model::{Limits, SolverKind, WorldDesc};
+use crate::model::{JointLimits, SolverKind, WorldDesc};
 use crate::solver::exact::Exact;
 use crate::solver::{Convergence, Failure};
 use crate::world::exact;
@@ -16,7 +16,7 @@ pub enum Solver {
     /// The paper's two steps (`world::two_step`).
     TwoStep,
     /// Eq. 9 in one dense piece (`world::reference`).
-    Monolithic,
+    DenseReference,
 }
 
 impl Solver {
@@ -25,7 +25,7 @@ impl Solver {
         match kind {
             SolverKind::Exact => Self::Exact(Box::new(exact::build(desc, model, contacts_max))),
             SolverKind::TwoStep => Self::TwoStep,
-            SolverKind::Monolithic => Self::Monolithic,
+            SolverKind::DenseReference => Self::DenseReference,
         }
     }
 
@@ -46,7 +46,7 @@ impl Solver {
         match self {
             Self::Exact(_) => SolverKind::Exact,
             Self::TwoStep => SolverKind::TwoStep,
-            Self::Monolithic => SolverKind::Monolithic,
+            Self::DenseReference => SolverKind::DenseReference,
         }
     }
 }
@@ -58,7 +58,7 @@ pub trait Scheme {
     type Factored;
 
     /// What keeps joints within their range.
-    fn limits(&self) -> Limits;
+    fn limits(&self) -> JointLimits;
 
     /// Sets A to zero.
     fn clear(&self, scratch: &mut Scratch) {

@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 use crate::solver::Failure;
-use crate::world::parts::Part;
+use crate::world::parts::StepPart;
 use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 use crate::world::{Input, StageTimer, StepReport, World, advance};
 
@@ -12,7 +12,7 @@ impl World {
     /// help.
     pub(super) fn step_without_what_fails(
         &mut self,
-        part: Part,
+        part: StepPart,
         input: &Input,
         timer: &mut impl StageTimer,
         report: &mut StepReport,

@@ -1,6 +1,6 @@
 //! Start states other than rest.
 
-use crate::contact::Sides;
+use crate::contact::SeenSides;
 use crate::math::{Pose, Vec3, to_turn};
 use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 use crate::world::{State, World};
@@ -12,7 +12,7 @@ impl World {
         let contacts_max = self.detector.capacity();
         self.state = State::new(&self.desc, &self.model);
         self.state.impulses.reserve(contacts_max);
-        self.state.sides = Sides::with_capacity(self.detector.sides_max());
+        self.state.sides = SeenSides::with_capacity(self.detector.sides_max());
         self.readout.forget_contacts();
         self.embed();
     }

@@ -1,6 +1,6 @@
 //! What changes: the state that a snapshot must hold, and the step's scratch memory.
 
-use crate::contact::{Contact, HeldPlace, Sides};
+use crate::contact::{Contact, HeldPlace, SeenSides};
 use crate::coupling::{BoneSystem, Share};
 use crate::flesh::Faded;
 use crate::math::{Mat6, Pose, Vec3, Vec6, to_turn};
@@ -13,7 +13,7 @@ use crate::solver::{
 };
 use crate::world::friction::{PatchKey, patches_max};
 use crate::world::hash::Hasher;
-use crate::world::kinematic_advance::Moved;
+use crate::world::kinematic_advance::UnjointedMotion;
 use crate::world::limits::{self, LimitRow};
 use crate::world::{ContactPoint, Model};
 
@@ -39,7 +39,7 @@ pub struct State {
     /// Contact impulses of the last step by feature, sorted \[N s\], world, on A.
     pub impulses: Room<(u64, Vec3)>,
     /// From which side surface vertices came near other bodies in the last step.
-    pub sides: Sides,
+    pub sides: SeenSides,
     /// Impulses of joint limits in the last step, per joint and axis, on the child \[N m s\].
     pub limit_impulses: Vec<[f64; 2]>,
     /// Normal forces of the last step in patches whose friction depends on them, sorted \[N\].
@@ -69,7 +69,7 @@ impl State {
             contact_change: vec![Vec3::zeros(); v.len()],
             v,
             impulses: Room::default(),
-            sides: Sides::default(),
+            sides: SeenSides::default(),
             limit_impulses: vec![[0.0; 2]; model.joints.len()],
             patch_loads: Room::with_capacity(patches_max(model)),
             faded: vec![Faded::default(); model.flesh.memory.len()],
@@ -265,7 +265,7 @@ pub struct Scratch {
     /// Contacts found.
     pub found: Room<Contact>,
     /// The sides seen with them.
-    pub sides: Sides,
+    pub sides: SeenSides,
     /// Rows of the contacts found.
     pub rows: ContactRows,
     /// Contact solver.
@@ -297,7 +297,7 @@ pub struct Scratch {
     /// Groups of bodies that move each other.
     pub islands: Islands,
     /// Where things would be without joints, and memory to close these.
-    pub moved: Moved,
+    pub moved: UnjointedMotion,
     /// The state before the step.
     pub before: State,
 }
@@ -347,7 +347,7 @@ impl Scratch {
             cg: CgWorkspace::new(rows),
             limits: Room::default(),
             found: Room::default(),
-            sides: Sides::with_capacity(sides_max),
+            sides: SeenSides::with_capacity(sides_max),
             rows: ContactRows::with_capacity(rigids, 0),
             anticipation: Anticipation::new(rigids, nodes),
             contacts: Room::default(),
@@ -363,7 +363,7 @@ impl Scratch {
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
             vertex_ways: vec![Vec3::zeros(); model.vertices.len()],
             islands: Islands::new(&moves, &model.pattern, ties(model)),
-            moved: Moved::new(model),
+            moved: UnjointedMotion::new(model),
             before,
         }
     }

@@ -4,7 +4,7 @@ use crate::contact::{Detector, Reach, RigidPlace};
 use crate::model::WorldDesc;
 use crate::solver::Failure;
 use crate::world::model::Model;
-use crate::world::parts::Part;
+use crate::world::parts::StepPart;
 use crate::world::scheme::{Scheme, Solver};
 use crate::world::state::{Scratch, State};
 use crate::world::two_step::TwoStep;
@@ -22,7 +22,7 @@ pub struct Step<'a> {
     detector: &'a mut Detector,
     places: &'a mut [RigidPlace],
     input: &'a Input,
-    part: Part,
+    part: StepPart,
 }
 
 impl World {
@@ -32,7 +32,7 @@ impl World {
     /// No velocities were found that make sense.
     pub(super) fn find_velocities(
         &mut self,
-        part: Part,
+        part: StepPart,
         input: &Input,
         timer: &mut impl StageTimer,
         report: &mut StepReport,
@@ -46,8 +46,8 @@ impl World {
                 let mut scheme = TwoStep { settings, stands_in: false };
                 step.find_velocities(&mut scheme, timer, report)
             }
-            Solver::Monolithic => {
-                step.find_velocities(&mut reference::Dense { settings }, timer, report)
+            Solver::DenseReference => {
+                step.find_velocities(&mut reference::DenseReference { settings }, timer, report)
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::coupling::skin_target;
 use crate::math::{Mat6, Vec3, Vec6};
-use crate::model::{Limits, SolverSettings};
+use crate::model::{JointLimits, SolverSettings};
 use crate::solver::{
     AnticipationSettings, Convergence, Failure, conjugate_gradients, weigh_energy,
 };
@@ -23,8 +23,8 @@ impl Scheme for TwoStep {
     type Factored = ();
 
     /// The scheme has no rows for limits.
-    fn limits(&self) -> Limits {
-        Limits::Springs
+    fn limits(&self) -> JointLimits {
+        JointLimits::Springs
     }
 
     fn couple(
@@ -75,7 +75,7 @@ impl Scheme for TwoStep {
         if self.stands_in {
             calm(model, state, scratch);
             response::shorten(model, h, state, scratch);
-            if self.settings.limits == Limits::Rows {
+            if self.settings.limits == JointLimits::Rows {
                 limits::keep_spring_impulses(model, state, h, scratch);
             }
         }

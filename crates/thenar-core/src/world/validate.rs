@@ -13,7 +13,7 @@ use crate::solver::ContactRow;
 use crate::world::check::is_time_step;
 use crate::world::limits;
 use crate::world::model::Model;
-use crate::world::parts::Part;
+use crate::world::parts::StepPart;
 use crate::world::state::{State, is_sound_position, is_sound_velocity};
 use crate::world::{ContactPoint, Input, StepReport, World};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -165,7 +165,7 @@ impl World {
     ///
     /// # Errors
     /// The first thing that is elsewhere.
-    pub(super) fn validate_led(&self, part: Part, input: &Input, done: &StepReport) -> Check {
+    pub(super) fn validate_led(&self, part: StepPart, input: &Input, done: &StepReport) -> Check {
         let Self { model, state, scratch, .. } = self;
         let before = &scratch.before;
         for (b, _) in model.rigids.iter().enumerate().filter(|(_, body)| !body.moves) {

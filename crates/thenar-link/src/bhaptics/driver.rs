@@ -3,7 +3,7 @@
 use super::{Bhaptics, Feel, PATH, PORT};
 use crate::transport::{WebSocketTransport, websocket};
 use crate::worker::{Device, DisplayTraits};
-use crate::{Driver, Found, LinkError, Opened, Rendering};
+use crate::{Driver, FoundDevice, LinkError, Opened, Rendering};
 use thenar_touch::safety::Limits;
 
 /// `bhaptics:` and `bhaptics:HOST:PORT`.
@@ -18,7 +18,7 @@ impl Driver for BhapticsDriver {
         "bHaptics gloves that vibrate, through the maker's player: bhaptics:127.0.0.1:15881"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

@@ -19,7 +19,7 @@ use crate::calibration::Calibrate;
 use crate::profile::{Address, load};
 use crate::transport::{SerialTransport, serial};
 use crate::worker::{Device, TrackerTraits};
-use crate::{Driver, Event, Found, HandSample, LinkError, Opened, Protocol};
+use crate::{Driver, Event, FoundDevice, HandSample, LinkError, Opened, Protocol};
 use std::sync::Arc;
 use thenar_track::live::LivePose;
 
@@ -42,7 +42,7 @@ impl Driver for CyberGloveDriver {
         "CyberGlove I and II, 18 or 22 sensors; cyberglove:/dev/ttyS0 or cyberglove:COM1"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         // RS-232 ports and adapters of any kind: nothing tells what hangs on them.
         serial::ports(|_, _, name| {
             (name == "PCI").then(|| "a serial port that may lead to a CyberGlove".into())
@@ -70,7 +70,7 @@ impl Driver for CyberGlove3Driver {
         "CyberGlove III over USB; cyberglove3:/dev/ttyUSB0 or cyberglove3:COM3"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         serial::ports(|vendor, product, _| {
             let text = "an FTDI serial adapter that may be a CyberGlove III";
             ((vendor, product) == (0x0403, 0x6001)).then(|| text.into())

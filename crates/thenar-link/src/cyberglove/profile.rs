@@ -1,7 +1,7 @@
 //! What is particular to one CyberGlove and its wearer.
 
 use super::sensors::{self, NAMES, SENSORS};
-use crate::profile::{Check, Hand, Link, Tracking, Wrist};
+use crate::profile::{Check, Link, Tracking, WearerHand, Wrist};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use thenar_core::Pose;
@@ -18,7 +18,7 @@ pub const SHIPPED_3: &str = include_str!("../../profiles/cyberglove3.toml");
 #[serde(deny_unknown_fields)]
 pub struct Profile {
     /// The hand that wears the glove.
-    pub hand: Hand,
+    pub hand: WearerHand,
     /// Where the wrist is, or the forearm if the glove's own wrist sensors turn it.
     pub wrist: Wrist,
     /// The cable.

@@ -18,7 +18,9 @@ pub use unit::{GraspUnit, SimulatedUnit, UNIT_SILENCE, serve_unit};
 use crate::profile::{Address, Check, Display, load};
 use crate::transport::{StreamTransport, host_and_port, tcp};
 use crate::worker::{Device, DisplayTraits};
-use crate::{DIGITS, Driver, Event, Found, HandOutput, LinkError, Opened, Protocol, Rendering};
+use crate::{
+    DIGITS, Driver, Event, FoundDevice, HandOutput, LinkError, Opened, Protocol, Rendering,
+};
 use serde::{Deserialize, Serialize};
 use thenar_core::model::Side;
 use thenar_touch::{CYBERGRASP_FORCE_MAX, tendon_pull};
@@ -165,7 +167,7 @@ impl Driver for CyberGraspDriver {
         "CyberGrasp through a bridge of yours to its maker's library; cybergrasp:127.0.0.1:7070"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

@@ -5,7 +5,7 @@ use super::profile::{Profile, SHIPPED};
 use crate::profile::{Address, Check, load};
 use crate::transport::{UdpTransport, host_and_port};
 use crate::worker::{Device, DisplayTraits, TrackerTraits};
-use crate::{Driver, Found, LinkError, Opened, Rendering};
+use crate::{Driver, FoundDevice, LinkError, Opened, Rendering};
 use std::net::ToSocketAddrs;
 
 /// UDP port of a bridge unless another is given.
@@ -24,7 +24,7 @@ impl Driver for ForceDeviceDriver {
          arm of the profile; ?side=left&profile=FILE"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

@@ -2,7 +2,7 @@
 
 use super::Setup;
 use crate::joints::{in_reach, rotation};
-use crate::profile::{Check, DigitAngles, Hand};
+use crate::profile::{Check, DigitAngles, WearerHand};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use thenar_core::model::Side;
@@ -21,11 +21,11 @@ pub struct Profile {
     /// Name of the arm, one of `arms`.
     pub arm: String,
     /// The hand that holds the handle.
-    pub hand: Hand,
+    pub hand: WearerHand,
     /// The arm's frame in the world.
-    pub base: Place,
+    pub base: MountPose,
     /// The wrist in the frame of the handle.
-    pub tool: Place,
+    pub tool: MountPose,
     /// How it is held.
     pub grip: Grip,
     /// All arms that are known.
@@ -35,7 +35,7 @@ pub struct Profile {
 /// A frame.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Place {
+pub struct MountPose {
     /// Position \[m\].
     pub position: [f64; 3],
     /// x y z w
@@ -117,7 +117,7 @@ impl Profile {
     }
 }
 
-impl Place {
+impl MountPose {
     fn pose(&self) -> Result<Pose, String> {
         let position = Vec3::from(self.position);
         let turn = rotation(self.rotation);

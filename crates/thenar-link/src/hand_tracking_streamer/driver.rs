@@ -5,7 +5,7 @@ use crate::options::Options;
 use crate::profile::camera_timing;
 use crate::transport::{StreamTransport, TcpServer, host_and_port, listening, tcp};
 use crate::worker::{Connect, Device};
-use crate::{Driver, Found, LinkError, Opened};
+use crate::{Driver, FoundDevice, LinkError, Opened};
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ impl Driver for HandTrackingStreamerDriver {
          hts:call:HOST:8000; ?from=IP hears one headset only, ?points=local or world, ?profile=FILE"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

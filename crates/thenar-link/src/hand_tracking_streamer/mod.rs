@@ -53,7 +53,7 @@ struct Part<T> {
 
 /// What has come of one hand.
 #[derive(Clone, Debug, Default)]
-struct Hand {
+struct StreamedHand {
     wrist: Option<Part<Pose>>,
     points: Option<Part<[Vec3; POINTS]>>,
 }
@@ -67,7 +67,7 @@ pub struct HandTrackingStreamer {
     lines: Lines,
     clock: SourceClock,
     /// Left, right.
-    hands: [Hand; 2],
+    hands: [StreamedHand; 2],
 }
 
 impl HandTrackingStreamer {
@@ -113,7 +113,7 @@ impl Protocol for HandTrackingStreamer {
 fn hear(
     points: Points,
     clock: &mut SourceClock,
-    hands: &mut [Hand; 2],
+    hands: &mut [StreamedHand; 2],
     now_ns: u64,
     line: Line,
     event: &mut dyn FnMut(Event),
@@ -148,7 +148,7 @@ fn hear(
     let time = landmarks.time;
     let placed = landmarks.value.map(|point| pose_WH.point(&point));
     // Each part serves once.
-    *hand = Hand::default();
+    *hand = StreamedHand::default();
     let mut time_ns = now_ns;
     if let Some(time) = time {
         let carried = clock.carry(now_ns, time);

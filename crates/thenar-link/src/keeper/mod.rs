@@ -25,7 +25,7 @@ mod process;
 pub(crate) use line::Keeping;
 #[cfg(unix)]
 pub use process::run;
-pub use watch::{AGAIN_NS, BEAT_NS, GONE_NS, SILENCE_NS, Turn, Watch};
+pub use watch::{AGAIN_NS, BEAT_NS, GONE_NS, KeeperTurn, SILENCE_NS, Watch};
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -1,6 +1,6 @@
 //! What the keeper's process does.
 
-use super::{Turn, Watch};
+use super::{KeeperTurn, Watch};
 use crate::now_ns;
 use crate::realtime::{Urgency, lock_memory, raise_priority, touch_stack};
 use crate::transport::read_within;
@@ -59,7 +59,7 @@ fn keep(line: &mut UnixStream, device: &mut impl Write) -> io::Result<()> {
                 watch.gone(now_ns());
             }
         }
-        let Turn { release: due, tell, end, wait_ns: next } = watch.turn(now_ns());
+        let KeeperTurn { release: due, tell, end, wait_ns: next } = watch.turn(now_ns());
         if end {
             return Ok(());
         }

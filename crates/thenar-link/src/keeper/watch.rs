@@ -16,7 +16,7 @@ pub const GONE_NS: u64 = 1_000_000_000;
 
 /// What a keeper does now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Turn {
+pub struct KeeperTurn {
     /// Send the releasing bytes.
     pub release: bool,
     /// Say to the program that it was taken over.
@@ -56,26 +56,26 @@ impl Watch {
     }
 
     /// What is due at this time.
-    pub fn turn(&mut self, now_ns: u64) -> Turn {
+    pub fn turn(&mut self, now_ns: u64) -> KeeperTurn {
         let passed = |since: u64| now_ns.saturating_sub(since);
         let (release, tell) = (false, false);
         // A device that nobody spoke for holds nothing of ours.
         let outlived = self.gone_ns.is_some_and(|gone| passed(gone) >= GONE_NS);
         let Some(heard) = self.heard_ns.filter(|_| !self.ended && !outlived) else {
             let end = self.ended || self.gone_ns.is_some();
-            return Turn { release, tell, end, wait_ns: SILENCE_NS };
+            return KeeperTurn { release, tell, end, wait_ns: SILENCE_NS };
         };
         let silent = passed(heard) >= SILENCE_NS || self.gone_ns.is_some();
         if !silent {
             let wait_ns = SILENCE_NS - passed(heard);
-            return Turn { release, tell, end: false, wait_ns };
+            return KeeperTurn { release, tell, end: false, wait_ns };
         }
         let since = self.released_ns.map(passed);
         match since.filter(|since| *since < AGAIN_NS) {
-            Some(since) => Turn { release, tell, end: false, wait_ns: AGAIN_NS - since },
+            Some(since) => KeeperTurn { release, tell, end: false, wait_ns: AGAIN_NS - since },
             None => {
                 self.released_ns = Some(now_ns);
-                Turn { release: true, tell: since.is_none(), end: false, wait_ns: AGAIN_NS }
+                KeeperTurn { release: true, tell: since.is_none(), end: false, wait_ns: AGAIN_NS }
             }
         }
     }

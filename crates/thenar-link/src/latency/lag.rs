@@ -1,7 +1,7 @@
 //! How much later one tracker sees a motion than another that sees the same.
 
 use super::moving::{STEP, reach, speeds};
-use super::{Doubt, Measured, Part, Trace, trusted};
+use super::{ComparedPart, Doubt, MeasuredDelay, Trace, trusted};
 
 /// Lags that are looked at \[s\]: a device may be earlier than its reference, and webcams are late by a fifth of a second.
 const FROM: f64 = -0.3;
@@ -29,7 +29,7 @@ const APART: f64 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
     /// By how much the device is later than its reference.
-    pub measured: Measured,
+    pub measured: MeasuredDelay,
     /// Correlation of the speeds at that lag.
     pub correlation: f64,
 }
@@ -77,7 +77,7 @@ type Event = Vec<Sums>;
 ///
 /// # Errors
 /// The motion is too little, too regular or not the same, or its parts contradict each other.
-pub fn lag(device: &Trace, reference: &Trace, part: Part) -> Result<Lag, Doubt> {
+pub fn lag(device: &Trace, reference: &Trace, part: ComparedPart) -> Result<Lag, Doubt> {
     let events = events(device, reference, part);
     if events.len() < EVENTS {
         let what = "seconds of motion that both trackers see";
@@ -131,7 +131,7 @@ fn peak(sums: &[Sums], near: usize) -> f64 {
 }
 
 /// Lag of these events, with the standard error that leaving out each of them tells.
-fn jackknife(events: &[Event], near: usize) -> Measured {
+fn jackknife(events: &[Event], near: usize) -> MeasuredDelay {
     let (all, n) = (sum(events), events.len() as f64);
     let mean = peak(&all, near);
     let without = |event: &Event| {
@@ -141,11 +141,11 @@ fn jackknife(events: &[Event], near: usize) -> Measured {
     let lags: Vec<f64> = events.iter().map(without).collect();
     let middle = lags.iter().sum::<f64>() / n;
     let squares: f64 = lags.iter().map(|lag| (lag - middle).powi(2)).sum();
-    Measured { mean, error: ((n - 1.0) / n * squares).sqrt(), events: events.len() }
+    MeasuredDelay { mean, error: ((n - 1.0) / n * squares).sqrt(), events: events.len() }
 }
 
 /// Seconds in which the hand moves, each with its sums at every lag.
-fn events(device: &Trace, reference: &Trace, part: Part) -> Vec<Event> {
+fn events(device: &Trace, reference: &Trace, part: ComparedPart) -> Vec<Event> {
     let [Some(a_rate), Some(b_rate)] = [device.rate(), reference.rate()] else { return Vec::new() };
     let start = |trace: &Trace| trace.seen.first().map_or(0.0, |s| s.arrived);
     let end = |trace: &Trace| trace.seen.last().map_or(0.0, |s| s.arrived);
@@ -158,8 +158,8 @@ fn events(device: &Trace, reference: &Trace, part: Part) -> Vec<Event> {
     let a = speeds(&device.seen, part, begin, count, reach);
     let b = speeds(&reference.seen, part, begin, count, reach);
     let moves = match part {
-        Part::Fingers => FINGERS_MOVE,
-        Part::Wrist => WRIST_MOVES,
+        ComparedPart::Fingers => FINGERS_MOVE,
+        ComparedPart::Wrist => WRIST_MOVES,
     };
     let (first, lags) = ((FROM / STEP).round() as isize, ((TO - FROM) / STEP).round() as usize + 1);
     let length = (EVENT / STEP) as usize;
@@ -216,7 +216,7 @@ mod tests {
         let quick = Fake { rate: 1000.0, latency: 0.002, noise: 2e-5, lost: 0.0, jitter: 2e-4 };
         let late = Fake { rate: 60.0, latency: 0.25, noise: 1e-3, lost: 0.0, jitter: 1e-3 };
         let at_once = Fake { rate: 120.0, latency: 0.0, noise: 5e-4, lost: 0.0, jitter: 0.0 };
-        for part in [Part::Fingers, Part::Wrist] {
+        for part in [ComparedPart::Fingers, ComparedPart::Wrist] {
             for (device, reference) in [
                 (HEADSET, GLOVE),
                 (GLOVE, HEADSET),
@@ -228,7 +228,7 @@ mod tests {
             ] {
                 let [seen, by] = pair(device, reference, 20.0, &wander);
                 let found = lag(&seen, &by, part).unwrap();
-                let Measured { mean, error, events } = found.measured;
+                let MeasuredDelay { mean, error, events } = found.measured;
                 let off = mean - (device.latency - reference.latency);
                 assert!(off.abs() < 0.002_f64.max(3.0 * error), "{device:?} {off} +- {error} s");
                 assert!(
@@ -251,8 +251,9 @@ mod tests {
             let motion = |t: f64| wander(t + 37.3 * f64::from(k));
             let (seed, other) = (100 + 2 * u64::from(k), 101 + 2 * u64::from(k));
             let seen = HEADSET.watch(seed, 16.0, &motion);
-            let found =
-                lag(&seen, &GLOVE.watch(other, 16.0, &motion), Part::Fingers).unwrap().measured;
+            let found = lag(&seen, &GLOVE.watch(other, 16.0, &motion), ComparedPart::Fingers)
+                .unwrap()
+                .measured;
             squares += (found.mean - 0.035).powi(2);
             stated += found.error.powi(2);
         }
@@ -263,25 +264,31 @@ mod tests {
     #[test]
     fn too_little_and_contradictory_motion_is_refused() {
         let [seen, by] = pair(HEADSET, GLOVE, 6.0, &wander);
-        let told = lag(&seen, &by, Part::Fingers).unwrap_err();
+        let told = lag(&seen, &by, ComparedPart::Fingers).unwrap_err();
         assert!(matches!(told, Doubt::TooFew { wanted: 8, .. }), "{told}");
         let [seen, by] = pair(HEADSET, GLOVE, 20.0, &still(1e-3, 3.0));
-        assert!(matches!(lag(&seen, &by, Part::Fingers), Err(Doubt::TooFew { count: 0, .. })));
-        assert!(matches!(lag(&Trace::default(), &by, Part::Wrist), Err(Doubt::TooFew { .. })));
+        assert!(matches!(
+            lag(&seen, &by, ComparedPart::Fingers),
+            Err(Doubt::TooFew { count: 0, .. })
+        ));
+        assert!(matches!(
+            lag(&Trace::default(), &by, ComparedPart::Wrist),
+            Err(Doubt::TooFew { .. })
+        ));
         // Each its own motion.
         let by = GLOVE.watch(3, 20.0, &|t| wander(t + 531.7));
         let seen = HEADSET.watch(4, 20.0, &wander);
-        let told = lag(&seen, &by, Part::Fingers).unwrap_err();
+        let told = lag(&seen, &by, ComparedPart::Fingers).unwrap_err();
         assert!(matches!(told, Doubt::Unlike { correlation } if correlation < 0.8), "{told}");
         // As even as a metronome at 2.5 Hz.
         let even = |t: f64| Moment::bent(0.5 * (15.0 * t).sin());
         let [seen, by] = pair(HEADSET, GLOVE, 20.0, &even);
-        let told = lag(&seen, &by, Part::Fingers).unwrap_err();
+        let told = lag(&seen, &by, ComparedPart::Fingers).unwrap_err();
         assert!(matches!(told, Doubt::Ambiguous { .. }), "{told}");
         // A tracker that becomes later by 40 ms midway.
         let mut seen = HEADSET.watch(5, 20.0, &wander);
         seen.seen.iter_mut().filter(|s| s.arrived > 10.0).for_each(|s| s.arrived += 0.04);
-        let told = lag(&seen, &GLOVE.watch(6, 20.0, &wander), Part::Fingers).unwrap_err();
+        let told = lag(&seen, &GLOVE.watch(6, 20.0, &wander), ComparedPart::Fingers).unwrap_err();
         assert!(matches!(told, Doubt::Halves { .. } | Doubt::Scatter { .. }), "{told}");
     }
 }

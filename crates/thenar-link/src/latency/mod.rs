@@ -19,13 +19,13 @@ mod taps;
 mod trial;
 
 pub use lag::{Lag, lag};
-pub use seen::{Part, Seen, Trace};
+pub use seen::{ComparedPart, Trace, TraceSample};
 pub use still::stillness;
 pub use taps::{KEY_DELAY, KEY_DELAY_SPREAD, taps};
 
 /// A delay with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredDelay {
     /// Mean \[s\].
     pub mean: f64,
     /// Standard error of the mean \[s\].
@@ -126,7 +126,7 @@ pub enum Doubt {
 }
 
 /// Refuses a mean that is uncertain or changes on the way.
-fn trusted(all: Measured, halves: [Measured; 2]) -> Result<Measured, Doubt> {
+fn trusted(all: MeasuredDelay, halves: [MeasuredDelay; 2]) -> Result<MeasuredDelay, Doubt> {
     if all.error.is_nan() || all.error > ERROR_MAX {
         return Err(Doubt::Scatter { error: all.error });
     }
@@ -145,10 +145,10 @@ const DELAY_MAX: f64 = 0.5;
 ///
 /// # Errors
 /// It is negative beyond doubt, or more than half a second. One that is negative within its error is zero.
-pub fn possible(measured: Measured, advice: &'static str) -> Result<Measured, Doubt> {
-    let Measured { mean, error, .. } = measured;
+pub fn possible(measured: MeasuredDelay, advice: &'static str) -> Result<MeasuredDelay, Doubt> {
+    let MeasuredDelay { mean, error, .. } = measured;
     if !(-3.0 * error..=DELAY_MAX).contains(&mean) {
         return Err(Doubt::Impossible { delay: mean, advice });
     }
-    Ok(Measured { mean: mean.max(0.0), ..measured })
+    Ok(MeasuredDelay { mean: mean.max(0.0), ..measured })
 }

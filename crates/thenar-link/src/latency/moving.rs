@@ -1,6 +1,6 @@
 //! Speeds of what a tracker told, at times of one's own, without a delay of their own.
 
-use super::{Part, Seen};
+use super::{ComparedPart, TraceSample};
 use nalgebra::{Matrix3, Vector3};
 
 /// Time from one speed to the next \[s\].
@@ -19,10 +19,16 @@ pub fn reach(rates: [f64; 2]) -> f64 {
 ///
 /// It is the slope of the parabola that fits best about each time, nearer samples counting more: what it takes off quick
 /// motion it takes off before and after alike, so that it delays nothing.
-pub fn speeds(seen: &[Seen], part: Part, begin: f64, count: usize, reach: f64) -> Vec<Option<f64>> {
-    let numbers = |s: &Seen| match part {
-        Part::Fingers => [s.flexion.iter().sum::<f64>() / s.flexion.len() as f64, 0.0, 0.0],
-        Part::Wrist => [s.wrist.x, s.wrist.y, s.wrist.z],
+pub fn speeds(
+    seen: &[TraceSample],
+    part: ComparedPart,
+    begin: f64,
+    count: usize,
+    reach: f64,
+) -> Vec<Option<f64>> {
+    let numbers = |s: &TraceSample| match part {
+        ComparedPart::Fingers => [s.flexion.iter().sum::<f64>() / s.flexion.len() as f64, 0.0, 0.0],
+        ComparedPart::Wrist => [s.wrist.x, s.wrist.y, s.wrist.z],
     };
     let (mut first, mut last) = (0, 0);
     let speed = |k: usize| {
@@ -52,8 +58,8 @@ pub fn speeds(seen: &[Seen], part: Part, begin: f64, count: usize, reach: f64) -
         let inverse = normal.try_inverse()?;
         let slope = right.map(|right| (inverse * right).y / reach);
         Some(match part {
-            Part::Fingers => slope[0],
-            Part::Wrist => slope.iter().map(|v| v * v).sum::<f64>().sqrt(),
+            ComparedPart::Fingers => slope[0],
+            ComparedPart::Wrist => slope.iter().map(|v| v * v).sum::<f64>().sqrt(),
         })
         .filter(|speed| speed.is_finite())
     };

@@ -31,7 +31,7 @@ const BENDING: [[[usize; 2]; 3]; DIGITS] = [
 
 /// What of a hand is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum ComparedPart {
     /// How far the fingers are bent.
     Fingers,
     /// How fast the wrist goes.
@@ -40,7 +40,7 @@ pub enum Part {
 
 /// A sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct TraceSample {
     /// When it arrived \[s\].
     pub arrived: f64,
     /// Bending of each finger, all joints together \[rad\].
@@ -51,7 +51,7 @@ pub struct Seen {
     pub tips: [Vec3; DIGITS],
 }
 
-impl Seen {
+impl TraceSample {
     /// Reads a pose of a hand of this length \[m\].
     pub fn new(arrived: f64, pose: &LivePose, hand_length: f64) -> Self {
         match pose {
@@ -94,7 +94,7 @@ impl Seen {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// The samples that had a pose.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<TraceSample>,
     /// How many samples did not see the hand.
     pub unseen: usize,
 }
@@ -116,7 +116,7 @@ impl Trace {
         let arrived = arrived_ns as f64 * 1e-9;
         match &sample.pose {
             Some(pose) if self.seen.last().is_none_or(|last| arrived > last.arrived) => {
-                self.seen.push(Seen::new(arrived, pose, hand_length));
+                self.seen.push(TraceSample::new(arrived, pose, hand_length));
             }
             Some(_) => {}
             None => self.unseen += 1,
@@ -131,7 +131,7 @@ impl Trace {
     }
 
     /// What arrived between two times \[s\].
-    pub fn between(&self, from: f64, to: f64) -> &[Seen] {
+    pub fn between(&self, from: f64, to: f64) -> &[TraceSample] {
         let begin = self.seen.partition_point(|seen| seen.arrived < from);
         let end = self.seen.partition_point(|seen| seen.arrived <= to);
         &self.seen[begin..end.max(begin)]
@@ -154,7 +154,7 @@ mod tests {
             );
             let pose =
                 LivePose::Joints { joints: joints(side, wrist, [0.5; 5]), radii: [0.01; 25] };
-            let seen = Seen::new(0.0, &pose, 0.19);
+            let seen = TraceSample::new(0.0, &pose, 0.19);
             // 1.4 + 1.7 + 1.0 rad of a closed finger.
             for finger in 1..5 {
                 assert!((seen.flexion[finger] - 2.05).abs() < 1e-9, "{side:?} {finger}: {seen:?}");
@@ -162,7 +162,8 @@ mod tests {
         }
         let mut angles = [0.0; ANGLES];
         [angles[4], angles[6], angles[7]] = [0.7, 0.85, 0.5];
-        let seen = Seen::new(0.0, &LivePose::Angles { wrist: Pose::identity(), angles }, 0.19);
+        let seen =
+            TraceSample::new(0.0, &LivePose::Angles { wrist: Pose::identity(), angles }, 0.19);
         assert!((seen.flexion[1] - 2.05).abs() < 1e-9 && seen.flexion[2] == 0.0);
         assert!((seen.tips[1].y + 0.7 * 0.095 + 0.85 * 0.05 + 0.5 * 0.024).abs() < 1e-12);
     }

@@ -1,6 +1,6 @@
 //! The noise of a hand that is held still.
 
-use super::{Doubt, Seen};
+use super::{Doubt, TraceSample};
 
 /// Noise is what remains without drift within windows of this length \[s\]: motion slower than some 2 Hz is the person's.
 const WINDOW: f64 = 0.5;
@@ -16,7 +16,7 @@ const STRAYS: f64 = 0.02;
 ///
 /// # Errors
 /// There are too few samples, or the hand moved.
-pub fn stillness(seen: &[Seen]) -> Result<f64, Doubt> {
+pub fn stillness(seen: &[TraceSample]) -> Result<f64, Doubt> {
     for finger in 0..5 {
         for axis in 0..3 {
             let places = seen.iter().map(|s| s.tips[finger][axis]);
@@ -27,7 +27,7 @@ pub fn stillness(seen: &[Seen]) -> Result<f64, Doubt> {
         }
     }
     let begin = seen.first().map_or(0.0, |s| s.arrived);
-    let windows: Vec<&[Seen]> = (seen.chunk_by(|a, b| {
+    let windows: Vec<&[TraceSample]> = (seen.chunk_by(|a, b| {
         ((a.arrived - begin) / WINDOW).floor() == ((b.arrived - begin) / WINDOW).floor()
     }))
     .filter(|window| window.len() >= SAMPLES)

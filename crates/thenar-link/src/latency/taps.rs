@@ -1,6 +1,6 @@
 //! How much later a tracker sees a finger stop than the key beneath it tells.
 
-use super::{Doubt, Measured, Seen, Trace, trusted};
+use super::{Doubt, MeasuredDelay, Trace, TraceSample, trusted};
 
 /// From a key that moves to its character in a program \[s\]: 15 to 60 ms were measured of keyboards up to their cable
 /// (Luu 2017), most about 30.
@@ -32,7 +32,7 @@ const STRAY: f64 = 5.7;
 ///
 /// # Errors
 /// There are too few taps, or they contradict each other.
-pub fn taps(trace: &Trace, finger: usize, keys: &[f64]) -> Result<Measured, Doubt> {
+pub fn taps(trace: &Trace, finger: usize, keys: &[f64]) -> Result<MeasuredDelay, Doubt> {
     let late: Vec<f64> = (keys.iter())
         .filter_map(|key| Some(stop(trace.between(key - BEFORE, key + AFTER), finger)? - key))
         .collect();
@@ -57,11 +57,11 @@ pub fn taps(trace: &Trace, finger: usize, keys: &[f64]) -> Result<Measured, Doub
     trusted(mean(&kept), [mean(first), mean(second)])
 }
 
-fn mean(all: &[f64]) -> Measured {
+fn mean(all: &[f64]) -> MeasuredDelay {
     let n = all.len() as f64;
     let mean = all.iter().sum::<f64>() / n;
     let squares: f64 = all.iter().map(|x| (x - mean).powi(2)).sum();
-    Measured { mean, error: (squares / (n - 1.0) / n).sqrt(), events: all.len() }
+    MeasuredDelay { mean, error: (squares / (n - 1.0) / n).sqrt(), events: all.len() }
 }
 
 fn median(all: &[f64]) -> f64 {
@@ -72,8 +72,8 @@ fn median(all: &[f64]) -> f64 {
 
 /// When the finger that comes down fastest here stops \[s\]: where the straight line of its greatest speed meets the level
 /// on which it stays.
-fn stop(seen: &[Seen], finger: usize) -> Option<f64> {
-    let down = |s: &Seen| -s.tips[finger].y;
+fn stop(seen: &[TraceSample], finger: usize) -> Option<f64> {
+    let down = |s: &TraceSample| -s.tips[finger].y;
     let stroke = |i: usize| {
         let rest = &seen[i..];
         let end = rest.iter().position(|s| s.arrived - rest[0].arrived >= SPAN)?;
@@ -143,7 +143,7 @@ mod tests {
             let fake = Fake { rate, latency, noise, lost: 0.02, jitter: 1e-3 };
             let downs = beat(25);
             let trace = fake.watch(7, 30.0, &tapping(downs.clone()));
-            let Measured { mean, error, events } = taps(&trace, 1, &downs).unwrap();
+            let MeasuredDelay { mean, error, events } = taps(&trace, 1, &downs).unwrap();
             let off = mean - latency;
             assert!(
                 off.abs() < 0.002_f64.max(3.0 * error),

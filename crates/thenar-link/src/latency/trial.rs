@@ -1,6 +1,6 @@
 //! Trackers whose delay, rate and noise are known, for tests.
 
-use super::{Seen, Trace};
+use super::{Trace, TraceSample};
 use thenar_core::Vec3;
 use thenar_core::random::Random;
 
@@ -57,7 +57,7 @@ impl Fake {
             let mut off = |lever: f64| self.noise / lever * normal(&mut random);
             let flexion = flexion.map(|angle| angle + off(0.1));
             let mut place = |p: Vec3| p + Vec3::new(off(1.0), off(1.0), off(1.0));
-            trace.seen.push(Seen {
+            trace.seen.push(TraceSample {
                 arrived,
                 flexion,
                 wrist: place(wrist),

@@ -17,7 +17,7 @@ use crate::calibration::Calibrate;
 use crate::profile::{Address, load};
 use crate::transport::{SerialTransport, TcpServer, serial};
 use crate::worker::{Connect, Device, DisplayTraits, TrackerTraits};
-use crate::{Driver, Found, LinkError, Opened, Rendering};
+use crate::{Driver, FoundDevice, LinkError, Opened, Rendering};
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ impl Driver for LucidGlovesDriver {
          lucidgloves:/dev/ttyUSB0, lucidgloves:COM3 or lucidgloves:wifi?from=IP"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         // The boards have no name of their own: these are the USB chips they come with.
         serial::ports(|vendor, product, name| {
             let chip = match (vendor, product) {

@@ -1,7 +1,7 @@
 //! What is particular to one LucidGlove.
 
 use super::encoding::State;
-use crate::profile::{Check, DigitAngles, Display, Hand, Link, Tracking, Wrist};
+use crate::profile::{Check, DigitAngles, Display, Link, Tracking, WearerHand, Wrist};
 use serde::{Deserialize, Serialize};
 use thenar_core::model::Side;
 use thenar_touch::servo_stop;
@@ -15,7 +15,7 @@ pub const SHIPPED: &str = include_str!("../../profiles/lucidgloves.toml");
 #[serde(deny_unknown_fields)]
 pub struct Profile {
     /// The hand that wears the glove.
-    pub hand: Hand,
+    pub hand: WearerHand,
     /// Where the wrist is.
     pub wrist: Wrist,
     /// The cable.

@@ -10,7 +10,7 @@ mod runtime;
 use crate::joints::{OPENXR_JOINTS, in_reach, rotation, webxr_of_openxr};
 use crate::profile::camera_timing;
 use crate::worker::Device;
-use crate::{Driver, Event, Found, HandSample, LinkError, Opened, Protocol, Transport};
+use crate::{Driver, Event, FoundDevice, HandSample, LinkError, Opened, Protocol, Transport};
 use std::io;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -47,7 +47,7 @@ pub struct Joint {
 }
 
 /// The left and the right hand; `None` for one that is not seen.
-pub type Hands = [Option<[Joint; OPENXR_JOINTS]>; 2];
+pub type HandJoints = [Option<[Joint; OPENXR_JOINTS]>; 2];
 
 /// A runtime with a session.
 pub trait Runtime: Send {
@@ -55,7 +55,7 @@ pub trait Runtime: Send {
     ///
     /// # Errors
     /// The session has ended.
-    fn hands(&mut self) -> io::Result<Option<Hands>>;
+    fn hands(&mut self) -> io::Result<Option<HandJoints>>;
 
     /// What there is to tell a person, once.
     fn note(&mut self) -> Option<&'static str> {
@@ -215,7 +215,7 @@ impl Driver for OpenXrDriver {
          with another loader than the system's"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

@@ -1,6 +1,6 @@
 //! The calls to the runtime.
 
-use super::{Hands, Joint, Runtime};
+use super::{HandJoints, Joint, Runtime};
 use openxr::{
     ApplicationInfo, Entry, Event, EventDataBuffer, ExtensionSet, FormFactor, Hand, HandTracker,
     Headless, Instance, Posef, ReferenceSpaceType, SessionState, Space, SpaceLocationFlags,
@@ -125,7 +125,7 @@ impl Session {
 }
 
 impl Runtime for Session {
-    fn hands(&mut self) -> io::Result<Option<Hands>> {
+    fn hands(&mut self) -> io::Result<Option<HandJoints>> {
         self.listen()?;
         if !self.running {
             return Ok(None);

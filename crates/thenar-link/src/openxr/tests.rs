@@ -6,10 +6,10 @@ use std::collections::VecDeque;
 use thenar_testing::Mutator;
 
 /// Answers, one after the other; then the session has ended.
-struct Mock(VecDeque<Option<Hands>>);
+struct Mock(VecDeque<Option<HandJoints>>);
 
 impl Runtime for Mock {
-    fn hands(&mut self) -> io::Result<Option<Hands>> {
+    fn hands(&mut self) -> io::Result<Option<HandJoints>> {
         self.0.pop_front().ok_or_else(|| io::ErrorKind::NotConnected.into())
     }
 }
@@ -29,11 +29,11 @@ fn told(side: Side) -> [Joint; OPENXR_JOINTS] {
 }
 
 /// All events of a runtime until its session ends.
-fn events(answers: Vec<Hands>) -> Vec<Event> {
+fn events(answers: Vec<HandJoints>) -> Vec<Event> {
     events_with_pauses(answers.into_iter().map(Some).collect())
 }
 
-fn events_with_pauses(answers: Vec<Option<Hands>>) -> Vec<Event> {
+fn events_with_pauses(answers: Vec<Option<HandJoints>>) -> Vec<Event> {
     let mut transport = RuntimeTransport::new(Mock(answers.into()));
     let (mut protocol, mut events) = (OpenXrHands::default(), Vec::new());
     let mut buffer = vec![0; 1 << 16];
@@ -101,7 +101,7 @@ fn a_session_that_does_not_run_is_silent() {
 fn notes_are_told() {
     struct Noting(Option<&'static str>);
     impl Runtime for Noting {
-        fn hands(&mut self) -> io::Result<Option<Hands>> {
+        fn hands(&mut self) -> io::Result<Option<HandJoints>> {
             Ok(Some([Some(told(Side::Left)), None]))
         }
         fn note(&mut self) -> Option<&'static str> {

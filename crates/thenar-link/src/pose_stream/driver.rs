@@ -4,7 +4,7 @@ use super::{PoseStream, UDP_PORT};
 use crate::options::Options;
 use crate::transport::{PipeTransport, WebSocketTransport, listening, websocket};
 use crate::worker::{Connect, Device};
-use crate::{Driver, Found, LinkError, Opened, replay};
+use crate::{Driver, FoundDevice, LinkError, Opened, replay};
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ impl Driver for PoseStreamDriver {
          poses:ws://HOST:PORT/PATH, poses:PIPE, or a recording, poses:FILE.jsonl"
     }
 
-    fn enumerate(&self) -> Vec<Found> {
+    fn enumerate(&self) -> Vec<FoundDevice> {
         Vec::new()
     }
 

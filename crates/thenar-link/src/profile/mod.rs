@@ -10,4 +10,4 @@ pub use address::Address;
 pub use cameras::{Cameras, camera_timing, page_timing, states_timing};
 pub(crate) use load::read_table;
 pub use load::{Check, load, profile_name, save, settings_folder, user_file};
-pub use parts::{DigitAngles, Display, Hand, Link, Tracking, Wrist};
+pub use parts::{DigitAngles, Display, Link, Tracking, WearerHand, Wrist};

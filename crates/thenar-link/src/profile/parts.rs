@@ -16,14 +16,14 @@ fn refuse<T>(key: &str, cause: impl Into<String>) -> Result<T, Refusal> {
 /// `[hand]`: who wears it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct Hand {
+pub struct WearerHand {
     /// Side of the hand.
     pub side: Side,
     /// Length of the hand, wrist to middle fingertip \[m\].
     pub length: f64,
 }
 
-impl Hand {
+impl WearerHand {
     /// Refuses what is no hand.
     pub fn check(&self) -> Result<(), Refusal> {
         if (0.08..=0.30).contains(&self.length) {

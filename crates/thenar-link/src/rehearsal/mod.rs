@@ -34,7 +34,7 @@ use thenar_scene::session::{Random, Session};
 use thenar_touch::TrackerTiming;
 use thenar_touch::safety::{Limits, Status};
 use thenar_track::live::{LiveError, LivePose};
-use wearer::Hand;
+use wearer::RehearsedHand;
 
 /// Length of a tick \[ns\].
 const TICK_NS: u64 = 1_000_000;
@@ -251,7 +251,7 @@ struct Run<'a> {
     what: &'a Rehearsal,
     stage: Stage,
     ends: Ends,
-    hand: Hand,
+    hand: RehearsedHand,
     random: Random,
     side: Side,
     tracker: LateTracker,
@@ -266,7 +266,7 @@ impl<'a> Run<'a> {
         let settings = Settings { mode: what.mode, grip: what.grip, ..Settings::default() };
         let stage = Stage::new(session, &settings, vec![tracker], vec![display])?;
         let side = stage.session().hands()[0].model.side.unwrap_or(Side::Right);
-        let hand = Hand::new(stage.session(), &what.human, 1e-9 * TICK_NS as f64)?;
+        let hand = RehearsedHand::new(stage.session(), &what.human, 1e-9 * TICK_NS as f64)?;
         let out = Outcome {
             fingers: [Felt::default(); DIGITS],
             largest: [0.0; 2],

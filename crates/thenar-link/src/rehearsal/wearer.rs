@@ -63,7 +63,7 @@ impl Finger {
 }
 
 /// A hand of five such fingers.
-pub(super) struct Hand {
+pub(super) struct RehearsedHand {
     human: Human,
     flow: Flow,
     live: LiveHand,
@@ -84,7 +84,7 @@ pub(super) struct Hand {
     pub beyond: [f64; DIGITS],
 }
 
-impl Hand {
+impl RehearsedHand {
     /// A hand of such fingers, which move in steps of `h` \[s\].
     pub fn new(session: &Session, human: &Human, h: f64) -> Result<Self, LiveError> {
         let mut live = session.live_hand(0)?;

@@ -1,7 +1,7 @@
 //! Serial ports: cables, USB adapters, Bluetooth serial, pseudo-terminals.
 
 use super::SEND_PATIENCE;
-use crate::{Found, Transport};
+use crate::{FoundDevice, Transport};
 use serialport::{ClearBuffer, SerialPort, SerialPortType};
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
@@ -111,7 +111,7 @@ fn passing(error: &io::Error) -> bool {
 
 /// The ports of this computer that `like` accepts, by USB vendor, product and product name; ports
 /// that are no USB devices are offered as 0, 0 and their kind.
-pub fn ports(like: impl Fn(u16, u16, &str) -> Option<String>) -> Vec<Found> {
+pub fn ports(like: impl Fn(u16, u16, &str) -> Option<String>) -> Vec<FoundDevice> {
     let found = serialport::available_ports().unwrap_or_default();
     let offer = |port: serialport::SerialPortInfo| {
         let what = match &port.port_type {
@@ -122,7 +122,7 @@ pub fn ports(like: impl Fn(u16, u16, &str) -> Option<String>) -> Vec<Found> {
             SerialPortType::PciPort => like(0, 0, "PCI"),
             SerialPortType::Unknown => like(0, 0, ""),
         };
-        what.map(|what| Found { address: port.port_name, what })
+        what.map(|what| FoundDevice { address: port.port_name, what })
     };
     found.into_iter().filter_map(offer).collect()
 }

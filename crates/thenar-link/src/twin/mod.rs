@@ -8,7 +8,7 @@ mod simulation;
 
 #[cfg(unix)]
 pub use pty::PtyTwin;
-pub use simulation::{Kind, SIMULATIONS, Simulation};
+pub use simulation::{SIMULATIONS, SimulatedDevice, Simulation};
 
 /// A device's firmware, hand and actuators. Pure: bytes and time in, bytes out.
 pub trait Twin: Send {

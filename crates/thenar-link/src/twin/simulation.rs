@@ -10,7 +10,7 @@ use crate::lucidgloves::LucidGlovesTwin;
 use std::io;
 
 /// A device that can be simulated.
-pub struct Kind {
+pub struct SimulatedDevice {
     /// Name of the simulation.
     pub name: &'static str,
     /// The driver that opens it.
@@ -21,7 +21,7 @@ pub struct Kind {
     start: fn(&str) -> io::Result<Box<dyn Simulation>>,
 }
 
-impl Kind {
+impl SimulatedDevice {
     /// Starts it.
     ///
     /// # Errors
@@ -32,7 +32,7 @@ impl Kind {
 }
 
 /// All of them. Those behind terminals need a system that has pseudo-terminals.
-pub const SIMULATIONS: &[Kind] = &[
+pub const SIMULATIONS: &[SimulatedDevice] = &[
     #[cfg(unix)]
     glove("lucidgloves", "lucidgloves", |at| pty(LucidGlovesTwin::new(false, false), at)),
     #[cfg(unix)]
@@ -57,8 +57,8 @@ const fn glove(
     name: &'static str,
     driver: &'static str,
     start: fn(&str) -> io::Result<Box<dyn Simulation>>,
-) -> Kind {
-    Kind { name, driver, place: None, start }
+) -> SimulatedDevice {
+    SimulatedDevice { name, driver, place: None, start }
 }
 
 const fn networked(
@@ -66,8 +66,8 @@ const fn networked(
     driver: &'static str,
     place: &'static str,
     start: fn(&str) -> io::Result<Box<dyn Simulation>>,
-) -> Kind {
-    Kind { name, driver, place: Some(place), start }
+) -> SimulatedDevice {
+    SimulatedDevice { name, driver, place: Some(place), start }
 }
 
 /// A simulated device that runs until it is dropped.

@@ -10,7 +10,7 @@ const AGAIN_NS: u64 = 1_000_000_000;
 
 /// The keeper, if the device needs one and the program knows how to start it.
 #[derive(Default)]
-pub struct Kept {
+pub struct KeeperLink {
     keeping: Option<Keeping>,
     /// When the next may be started \[ns\].
     due_ns: u64,
@@ -18,7 +18,7 @@ pub struct Kept {
     told: bool,
 }
 
-impl Kept {
+impl KeeperLink {
     /// Says to the keeper that this thread lives; true if the device was taken over and holds nothing now.
     pub fn beat(
         &mut self,

@@ -2,7 +2,7 @@
 
 use super::door::Door;
 use super::handles::slot;
-use super::kept::Kept;
+use super::kept::KeeperLink;
 use super::notice::{Away, Others, Silence};
 use super::{BACK_OFF, Device, OUTPUT_SILENCE_NS, POLL, Shared};
 use crate::realtime::{Urgency, raise_priority, touch_stack};
@@ -75,7 +75,7 @@ impl Worker {
                     away.reached(&self.shared);
                     self.shared.connected.store(true, Ordering::Relaxed);
                     let heard = self.shared.heard();
-                    let mut kept = Kept::default();
+                    let mut kept = KeeperLink::default();
                     let end = self.session(&mut *transport, &mut kept, &mut away);
                     self.shared.connected.store(false, Ordering::Relaxed);
                     // Kept until it is free.
@@ -117,12 +117,22 @@ impl Worker {
     }
 
     /// Talks with the device until something ends it.
-    fn session(&mut self, transport: &mut dyn Transport, kept: &mut Kept, away: &mut Away) -> End {
+    fn session(
+        &mut self,
+        transport: &mut dyn Transport,
+        kept: &mut KeeperLink,
+        away: &mut Away,
+    ) -> End {
         let talk = AssertUnwindSafe(|| self.talk(transport, kept, away));
         catch_unwind(talk).unwrap_or(End::Panicked)
     }
 
-    fn talk(&mut self, transport: &mut dyn Transport, kept: &mut Kept, away: &mut Away) -> End {
+    fn talk(
+        &mut self,
+        transport: &mut dyn Transport,
+        kept: &mut KeeperLink,
+        away: &mut Away,
+    ) -> End {
         let mut buffer = vec![0; 1 << 16];
         let opened_ns = now_ns();
         let mut silence = Silence::new(opened_ns);

@@ -5,9 +5,9 @@ use crate::{Protocol, Transport};
 
 /// No keeper.
 #[derive(Default)]
-pub struct Kept;
+pub struct KeeperLink;
 
-impl Kept {
+impl KeeperLink {
     /// Says nothing to nobody; false, for nobody takes over.
     pub fn beat(&mut self, _: u64, _: &dyn Protocol, _: &mut dyn Transport, _: &Shared) -> bool {
         false

@@ -6,7 +6,7 @@ mod places;
 
 use std::path::{Path, PathBuf};
 use thenar_record::{
-    Build, Channel, ChannelInfo, Damage, Fault, Field, Gap, Header, Kind, OpenError, Record,
+    Build, Channel, ChannelInfo, Damage, Fault, Field, FrameKind, Gap, Header, OpenError, Record,
     RecordError, Recorder, Weight, open,
 };
 use thenar_testing::Mutator;
@@ -44,7 +44,7 @@ fn header() -> Header {
 type Content = (Vec<Known>, Option<Damage>, bool);
 
 /// Kind, time and body.
-type Known = (Option<Kind>, u64, Vec<u8>);
+type Known = (Option<FrameKind>, u64, Vec<u8>);
 
 /// Of a file with one piece of damage at most.
 fn content(file: &Path) -> Result<Content, OpenError> {
@@ -62,10 +62,10 @@ fn content(file: &Path) -> Result<Content, OpenError> {
 fn write(file: &Path) {
     let recorder = Recorder::create(file, &header()).unwrap();
     let mut tape = recorder.session();
-    assert!(tape.big_frame(Kind::Scene, 1, |body| body.extend(b"a scene")));
+    assert!(tape.big_frame(FrameKind::Scene, 1, |body| body.extend(b"a scene")));
     for k in 0..3_u8 {
         let step = |body: &mut Vec<u8>| body.extend([k; 8]);
-        assert!(tape.frame(Kind::Step, 10 + u64::from(k), Weight::Usual, step));
+        assert!(tape.frame(FrameKind::Step, 10 + u64::from(k), Weight::Usual, step));
     }
     drop(tape);
     recorder.finish().unwrap();
@@ -78,7 +78,10 @@ fn what_goes_in_comes_out_in_order() {
     let (frames, damage, ended) = content(&place.0).unwrap();
     assert_eq!((damage, ended), (None, true));
     let kinds: Vec<_> = frames.iter().map(|f| f.0.unwrap()).collect();
-    assert_eq!(kinds, [Kind::Scene, Kind::Step, Kind::Step, Kind::Step, Kind::End]);
+    assert_eq!(
+        kinds,
+        [FrameKind::Scene, FrameKind::Step, FrameKind::Step, FrameKind::Step, FrameKind::End]
+    );
     assert_eq!((frames[0].1, &frames[0].2[..]), (1, &b"a scene"[..]));
     for k in 0..3_u8 {
         let frame = &frames[1 + k as usize];
@@ -244,7 +247,7 @@ fn what_follows_a_large_hole_is_found_and_a_trap_takes_no_time() {
     let mut tape = recorder.session();
     for k in 0..400_u64 {
         let body = |body: &mut Vec<u8>| body.extend(k.to_le_bytes().repeat(64));
-        assert!(tape.frame(Kind::Keyframe, k, Weight::Heavy, body));
+        assert!(tape.frame(FrameKind::Keyframe, k, Weight::Heavy, body));
     }
     drop(tape);
     recorder.finish().unwrap();
@@ -260,7 +263,7 @@ fn what_follows_a_large_hole_is_found_and_a_trap_takes_no_time() {
         for at in hole.clone().step_by(13).filter(|at| trap && at + 13 < hole.end) {
             let length = (whole.len() - at) as u32 / 2;
             bytes[at..at + 4].copy_from_slice(&length.to_le_bytes());
-            bytes[at + 8] = Kind::Step as u8;
+            bytes[at + 8] = FrameKind::Step as u8;
         }
         std::fs::write(&place.0, &bytes).unwrap();
         let (found, damages) = content_of(&place.0);
@@ -321,14 +324,14 @@ fn channels_keep_every_number_and_may_be_empty() {
     let (frames, ..) = content(&place.0).unwrap();
     let infos: Vec<ChannelInfo> = frames
         .iter()
-        .filter(|f| f.0 == Some(Kind::Channel))
+        .filter(|f| f.0 == Some(FrameKind::Channel))
         .map(|f| serde_json::from_slice(&f.2).unwrap())
         .collect();
     assert_eq!((infos[0].id, &infos[0].fields[..], infos[1].fields.len()), (1, &fields[..], 0));
     let of = |id: u32| {
-        frames
-            .iter()
-            .filter(move |f| f.0 == Some(Kind::Record) && Record::read(&f.2).unwrap().channel == id)
+        frames.iter().filter(move |f| {
+            f.0 == Some(FrameKind::Record) && Record::read(&f.2).unwrap().channel == id
+        })
     };
     assert_eq!((of(1).count(), of(2).count()), (50, 5));
     for (k, frame) in of(1).enumerate() {
@@ -351,8 +354,8 @@ fn what_no_longer_fits_is_counted_and_the_file_says_so() {
     let (frames, damage, ended) = content(&place.0).unwrap();
     assert!(damage.is_none() && ended);
     let count = |kind| frames.iter().filter(move |f| f.0 == Some(kind));
-    assert_eq!(count(Kind::Record).count() as u64, taken);
-    let told: u64 = count(Kind::Gap).map(|f| Gap::read(&f.2).unwrap().frames).sum();
+    assert_eq!(count(FrameKind::Record).count() as u64, taken);
+    let told: u64 = count(FrameKind::Gap).map(|f| Gap::read(&f.2).unwrap().frames).sum();
     assert_eq!(told, dropped);
 }
 

@@ -3,7 +3,7 @@
 use crate::mesh::{MassProperties, shapes};
 use crate::{RigError, TriMesh};
 use std::sync::Arc;
-use thenar_core::shape::{MeshShape, Part, Shape};
+use thenar_core::shape::{MeshShape, PlacedShape, Shape};
 use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 use super::plan::PlanSolid;
@@ -104,7 +104,7 @@ pub fn joined(solids: &[PlanSolid]) -> Option<(Shape, Pose)> {
     }
     let middle = solids.iter().map(|s| s.pose_MS.position).sum::<Vec3>() / solids.len() as f64;
     let pose_MS = Pose::new(middle, Quat::identity());
-    let part = |solid: &PlanSolid| Part {
+    let part = |solid: &PlanSolid| PlacedShape {
         shape: solid.shape.clone(),
         pose_SP: pose_MS.inverse() * solid.pose_MS,
     };

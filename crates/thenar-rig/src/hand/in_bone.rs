@@ -21,7 +21,7 @@ use crate::lattice::{Lattice, tet};
 use crate::weights::pair;
 use std::collections::BTreeMap;
 use thenar_core::model::{Binding, Bone, BoneNode, BoneSolid, Digit, JointDesc, JointKind};
-use thenar_core::shape::{Part, Shape};
+use thenar_core::shape::{PlacedShape, Shape};
 use thenar_core::{Pose, Quat, Vec3};
 
 /// Volume of each bone that a node stands for \[m³\].
@@ -226,7 +226,7 @@ pub(super) fn volume(shape: &Shape) -> f64 {
 }
 
 /// Volume of two parallel capsules of one size side by side, less what both have \[m³\].
-fn union_volume(parts: &[Part]) -> f64 {
+fn union_volume(parts: &[PlacedShape]) -> f64 {
     let [a, b] = parts else { unreachable!("the solid of a bone is of {} parts", parts.len()) };
     let Shape::Capsule { radius: r, half_length } = a.shape else {
         unreachable!("the solid of a bone is of a {:?}", a.shape)

@@ -15,7 +15,7 @@ use crate::size::place_in_words;
 use crate::work::Stage;
 use std::sync::Arc;
 use thenar_core::model::{Bone, BoneSolid};
-use thenar_core::shape::{Part, Shape};
+use thenar_core::shape::{PlacedShape, Shape};
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
@@ -192,7 +192,7 @@ fn flat(bone: &Bone, nail: f64, skin: &mut Skin) -> Result<Covered, RigError> {
     let raised = rise(bone, &places, radius + nail.max(radius), skin)?;
     let raised_M = bone.pose_MB.vector(&Vec3::y()) * raised;
     places.iter_mut().for_each(|place| *place += raised_M);
-    let part = |aside: Vec3| Part {
+    let part = |aside: Vec3| PlacedShape {
         shape: Shape::Capsule { radius, half_length: axis.half_length },
         pose_SP: Pose::new(aside, Quat::identity()),
     };

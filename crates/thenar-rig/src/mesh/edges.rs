@@ -12,7 +12,7 @@ pub struct Edge {
 
 /// One triangle's side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Side {
+pub struct EdgeSide {
     /// Triangle that has the edge.
     pub triangle: u32,
     /// The side runs from corner `corner` to the next.
@@ -26,18 +26,18 @@ pub struct Side {
 pub struct Edges {
     /// The edges.
     pub list: Vec<Edge>,
-    sides: Vec<Side>,
+    sides: Vec<EdgeSide>,
     /// Per triangle and side (from corner k to k+1), its edge.
     pub of_triangle: Vec<[u32; 3]>,
 }
 
 impl Edges {
     pub fn new(triangles: &[[u32; 3]]) -> Self {
-        let mut all: Vec<([u32; 2], Side)> = Vec::with_capacity(3 * triangles.len());
+        let mut all: Vec<([u32; 2], EdgeSide)> = Vec::with_capacity(3 * triangles.len());
         for (t, triangle) in triangles.iter().enumerate() {
             for k in 0..3 {
                 let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
-                let side = Side { triangle: t as u32, corner: k as u32, forward: a < b };
+                let side = EdgeSide { triangle: t as u32, corner: k as u32, forward: a < b };
                 all.push(([a.min(b), a.max(b)], side));
             }
         }
@@ -58,7 +58,7 @@ impl Edges {
     }
 
     /// The triangle sides along edge `e`.
-    pub fn sides(&self, e: usize) -> &[Side] {
+    pub fn sides(&self, e: usize) -> &[EdgeSide] {
         let Edge { first, count, .. } = self.list[e];
         &self.sides[first as usize..(first + count) as usize]
     }

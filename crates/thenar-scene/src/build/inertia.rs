@@ -89,7 +89,7 @@ pub fn from_numbers(numbers: &At<Vec<f64>>) -> Result<Mat3, Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::Place;
+    use crate::text::SourcePlace;
 
     /// Moments by summing small cubes.
     fn by_cubes(shape: &Shape, reach: f64, n: i32) -> (f64, Mat3) {
@@ -143,8 +143,11 @@ mod tests {
 
     #[test]
     fn impossible_inertias_are_refused() {
-        let at =
-            |v: &[f64]| At { value: v.to_vec(), place: Place::Text(0..0), key: "inertia".into() };
+        let at = |v: &[f64]| At {
+            value: v.to_vec(),
+            place: SourcePlace::Text(0..0),
+            key: "inertia".into(),
+        };
         assert!(from_numbers(&at(&[1.0, 2.0])).is_err());
         assert!(from_numbers(&at(&[1.0, 1.0, -1.0])).is_err());
         assert!(from_numbers(&at(&[1.0, 1.0, 3.0])).is_err());

@@ -76,7 +76,7 @@ fn jitter(nodes: &mut [Vec3], planes: &[Vec<f64>; 3], shape: &LatticeShape) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::Place;
+    use crate::text::SourcePlace;
 
     fn sixfold_volume(x: [Vec3; 4]) -> f64 {
         (x[1] - x[0]).cross(&(x[2] - x[0])).dot(&(x[3] - x[0]))
@@ -93,7 +93,7 @@ mod tests {
                 jitter: 0.0,
                 seed,
             };
-            let at = At { value: (), place: Place::Text(0..0), key: String::new() };
+            let at = At { value: (), place: SourcePlace::Text(0..0), key: String::new() };
             let regular = build(&shape, &at).unwrap().flesh;
             shape.jitter = 0.15;
             let moved = build(&shape, &at).unwrap().flesh;

@@ -93,12 +93,12 @@ fn size(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::Place;
+    use crate::text::SourcePlace;
 
     #[test]
     fn what_is_too_much_is_refused_with_both_numbers() {
         let mut memory = Memory::default();
-        let at = |problem: String| Fault::new(&Place::Text(0..0), "soft[1].shape", problem);
+        let at = |problem: String| Fault::new(&SourcePlace::Text(0..0), "soft[1].shape", problem);
         memory.take_tets(500_000, at).unwrap();
         let fault = memory.take_tets(1_500_000, at).unwrap_err();
         assert_eq!(

@@ -6,7 +6,7 @@ use crate::format::{CompoundPart, CompoundShape, Shape as Table};
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::text::{At, Fault};
 use std::sync::Arc;
-use thenar_core::shape::{Part, Shape};
+use thenar_core::shape::{PlacedShape, Shape};
 use thenar_rig::TriMesh;
 use thenar_rig::object::{Paint, Weight};
 
@@ -37,7 +37,7 @@ impl Solid {
 /// A part with its volume \[m³\] (of a mesh in units of its mass), centre, and inertia about it at
 /// density 1, both in the compound's frame.
 struct Weighed {
-    part: Part,
+    part: PlacedShape,
     volume: f64,
     centre: Vec3,
     inertia: Mat3,
@@ -67,7 +67,7 @@ fn compound(
         .sum();
     let mass = weight.mass(volume).map_err(|e| at.fault(e.to_string()))?;
     let to_B = Pose::new(-centre, Quat::identity());
-    let placed = |p: Weighed| Part { pose_SP: to_B * p.part.pose_SP, ..p.part };
+    let placed = |p: Weighed| PlacedShape { pose_SP: to_B * p.part.pose_SP, ..p.part };
     Ok(Solid {
         shape: Shape::Compound(Arc::new(parts.into_iter().map(placed).collect())),
         pose_BS: Pose::identity(),
@@ -90,7 +90,7 @@ fn weighed(part: &CompoundPart, files: &Files) -> Result<Weighed, Fault> {
     let pose = place::frame(part.frame.as_ref())? * made.pose_MB;
     let turn = pose.rotation.to_rotation_matrix().into_inner();
     Ok(Weighed {
-        part: Part { shape: made.shape, pose_SP: pose * made.pose_BS },
+        part: PlacedShape { shape: made.shape, pose_SP: pose * made.pose_BS },
         volume,
         centre: pose.position,
         inertia: turn * inertia * turn.transpose(),

@@ -1,7 +1,7 @@
 //! Solver settings.
 
 use crate::format::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};
-use thenar_core::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
+use thenar_core::model::{Cone, FleshInStep1, JointLimits, SolverKind, SolverSettings};
 
 /// The library's defaults with the table's changes.
 pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
@@ -21,8 +21,8 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
     }
     if let Some(limits) = t.limits {
         s.limits = match limits {
-            JointLimitsWord::Rows => Limits::Rows,
-            JointLimitsWord::Springs => Limits::Springs,
+            JointLimitsWord::Rows => JointLimits::Rows,
+            JointLimitsWord::Springs => JointLimits::Springs,
         };
     }
     if let Some(flesh) = t.step1_flesh {

@@ -3,7 +3,7 @@
 //!
 //! [`Comparison`] steps two sessions of the same scene, which get the same motions and loads (and
 //! springs as joint limits, as the two-step scheme has no others), and
-//! measures after each step how far they are apart. Its [`Mode`] says whether each goes its own
+//! measures after each step how far they are apart. Its [`CompareMode`] says whether each goes its own
 //! way, or both set out anew from the exact state in every step, which leaves the error of
 //! splitting alone. [`sweep`] does the latter over coupling stiffness and time step.
 
@@ -23,7 +23,7 @@ pub use summary::{ObjectSummary, PartSummary, Peak, SideSummary, Summary};
 
 use crate::session::{Column, Session};
 use divergence::Watch;
-use thenar_core::model::{FleshInStep1, Limits, SolverKind, SolverSettings};
+use thenar_core::model::{FleshInStep1, JointLimits, SolverKind, SolverSettings};
 use thenar_core::world::{ModelError, StageTimer};
 
 /// Index of the two-step scheme wherever both are listed.
@@ -35,7 +35,7 @@ pub const SIDES: [&str; 2] = ["two-step", "exact"];
 
 /// Where each step sets out from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
+pub enum CompareMode {
     /// From where the same solver went before: how far the motions drift apart.
     Trajectories,
     /// Both from the exact state: what one step does differently. Inner tolerances are tightened,
@@ -84,7 +84,7 @@ pub enum CompareError {
 #[derive(Debug)]
 pub struct Comparison {
     sessions: [Session; 2],
-    mode: Mode,
+    mode: CompareMode,
     bodies: Bodies,
     watch: [Watch; 2],
     moment: Moment,
@@ -101,7 +101,7 @@ impl Comparison {
     /// Nothing in the scene moves by forces, or a solver refuses its settings.
     pub fn new(
         mut sessions: [Session; 2],
-        mode: Mode,
+        mode: CompareMode,
         scheme: Scheme,
     ) -> Result<Self, CompareError> {
         for (side, session) in sessions.iter_mut().enumerate() {
@@ -111,8 +111,8 @@ impl Comparison {
                 _ => settings.kind = SolverKind::Exact,
             }
             // The two-step scheme knows no other; both must have the same model.
-            settings.limits = Limits::Springs;
-            if mode == Mode::SingleSteps {
+            settings.limits = JointLimits::Springs;
+            if mode == CompareMode::SingleSteps {
                 tighten(&mut settings);
             }
             session.world_mut().set_solver_settings(settings)?;
@@ -143,7 +143,7 @@ impl Comparison {
     /// One step of each. The one that goes first changes from step to step, so that neither always
     /// finds the other's leavings in the caches. One that has diverged rests.
     pub fn step(&mut self, timers: &mut [impl StageTimer; 2]) {
-        if self.mode == Mode::SingleSteps {
+        if self.mode == CompareMode::SingleSteps {
             let [two_step, exact] = &mut self.sessions;
             two_step.world_mut().restore(exact.world().state());
         }
@@ -156,7 +156,7 @@ impl Comparison {
             }
         }
         self.steps += 1;
-        if self.mode == Mode::Trajectories {
+        if self.mode == CompareMode::Trajectories {
             self.find_divergence();
         }
         let usable =
@@ -231,7 +231,7 @@ impl Comparison {
     }
 
     /// How they are compared.
-    pub fn mode(&self) -> Mode {
+    pub fn mode(&self) -> CompareMode {
         self.mode
     }
 

@@ -4,7 +4,7 @@
 //! two-step scheme, first single steps are compared, then both go their own way, to see
 //! whether the scheme diverges.
 
-use super::{CompareError, Comparison, Divergence, EXACT, Mode, Peak, Scheme, TWO_STEP};
+use super::{CompareError, CompareMode, Comparison, Divergence, EXACT, Peak, Scheme, TWO_STEP};
 use crate::SceneError;
 use crate::format::Scene;
 use crate::session::Session;
@@ -37,7 +37,7 @@ pub struct Plan {
 
 /// One stiffness at one time step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub struct SweepPoint {
     /// Coupling stiffness \[N/m⁴\].
     pub stiffness: f64,
     /// Time step \[s\].
@@ -48,12 +48,12 @@ pub struct Point {
     /// By the exact solver, largest over the single steps: joint gap \[m\].
     pub exact_joint_gap: f64,
     /// The schemes, in the order of [`SCHEMES`].
-    pub schemes: [Measured; 3],
+    pub schemes: [SchemeResult; 3],
 }
 
 /// One scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct SchemeResult {
     /// Single steps: distance of bones after one step \[m\].
     pub position: Peak,
     /// Single steps: angle of bones after one step \[rad\].
@@ -95,8 +95,8 @@ pub fn sweep(
     scene: &Scene,
     file: &Path,
     plan: &Plan,
-    mut tell: impl FnMut(&Point),
-) -> Result<Vec<Point>, SweepError> {
+    mut tell: impl FnMut(&SweepPoint),
+) -> Result<Vec<SweepPoint>, SweepError> {
     let mut points = Vec::new();
     for &time_step in &plan.time_steps {
         for &stiffness in &plan.stiffness {
@@ -125,7 +125,7 @@ fn point(
     plan: &Plan,
     stiffness: f64,
     time_step: f64,
-) -> Result<Point, SweepError> {
+) -> Result<SweepPoint, SweepError> {
     let scene = changed(scene, stiffness, time_step);
     let open = || Session::from_scene(scene.clone(), file);
     let mut start = open()?;
@@ -138,12 +138,12 @@ fn point(
             return Err(SweepError::Exact(stiffness, time_step));
         }
     }
-    let mut point = Point {
+    let mut point = SweepPoint {
         stiffness,
         time_step,
         over_correction: over_correction(start.world()),
         exact_joint_gap: 0.0,
-        schemes: [Measured::default(); 3],
+        schemes: [SchemeResult::default(); 3],
     };
     for ((scheme, _), measured) in SCHEMES.into_iter().zip(&mut point.schemes) {
         let run = |mode, steps| -> Result<Comparison, SweepError> {
@@ -164,7 +164,7 @@ fn point(
             }
         };
         let steps = (plan.seconds / time_step).round().max(1.0) as u64;
-        let single = run(Mode::SingleSteps, steps)?;
+        let single = run(CompareMode::SingleSteps, steps)?;
         let s = single.summary();
         measured.position = s.position;
         measured.rotation = s.rotation;
@@ -172,7 +172,7 @@ fn point(
         measured.joint_gap = s.sides[TWO_STEP].joint_gap.max;
         measured.failed = s.sides[TWO_STEP].failed;
         point.exact_joint_gap = s.sides[EXACT].joint_gap.max;
-        let apart = run(Mode::Trajectories, steps.max(STEPS_MIN))?;
+        let apart = run(CompareMode::Trajectories, steps.max(STEPS_MIN))?;
         measured.diverged = apart.summary().sides[TWO_STEP].diverged;
         measured.drift = apart.summary().position;
     }

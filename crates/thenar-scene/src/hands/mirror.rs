@@ -2,12 +2,12 @@
 
 use crate::format::{Camera, Hand, MotionTable, Rotation, SideOfHandWord, TipsTable, WristTable};
 use crate::math::Vec3;
-use crate::text::{At, Place};
+use crate::text::{At, SourcePlace};
 use thenar_core::model::Side;
 
 /// A value that no file holds.
 pub fn unwritten<T>(value: T, key: &str) -> At<T> {
-    At { value, place: Place::Text(0..0), key: key.into() }
+    At { value, place: SourcePlace::Text(0..0), key: key.into() }
 }
 
 /// The built-in hand of a side.

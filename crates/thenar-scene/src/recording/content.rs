@@ -110,12 +110,12 @@ pub struct Keyframe {
     /// The world's state after them.
     pub state: State,
     /// What else the next step depends on; `None` in recordings of programs that did not keep it.
-    pub kept: Option<Kept>,
+    pub kept: Option<KeyframeRest>,
 }
 
 /// What a keyframe keeps besides the world's state.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Kept {
+pub struct KeyframeRest {
     /// Hash of the state that its scene began with.
     pub start: u64,
     /// What the session remembers.
@@ -129,7 +129,7 @@ impl Keyframe {
         if rest.is_empty() {
             return Some(Self { number, state, kept: None });
         }
-        let (mut kept, rest): (Kept, &[u8]) = postcard::take_from_bytes(rest).ok()?;
+        let (mut kept, rest): (KeyframeRest, &[u8]) = postcard::take_from_bytes(rest).ok()?;
         if !rest.is_empty() {
             let faded: (Vec<[f64; 6]>, &[u8]) = postcard::take_from_bytes(rest).ok()?;
             state.faded = faded.0;

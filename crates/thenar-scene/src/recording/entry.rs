@@ -18,12 +18,12 @@ pub struct Input {
     /// Steps made since the scene frame.
     pub number: u64,
     /// What entered.
-    pub what: What,
+    pub what: InputKind,
 }
 
 /// What entered. Variants are numbered from 0 in the file; new ones come last.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub enum What {
+pub enum InputKind {
     Joints { hand: u32, time: f64, joints: Vec<[f64; 7]>, radii: Vec<f64> },
     Angles { hand: u32, time: f64, wrist: [f64; 7], angles: Vec<f64> },
     Lost { hand: u32 },
@@ -45,12 +45,12 @@ pub enum What {
 #[derive(Debug, Serialize)]
 pub struct InputRef<'a> {
     pub number: u64,
-    pub what: WhatRef<'a>,
+    pub what: InputKindRef<'a>,
 }
 
-/// Variants as those of [`What`].
+/// Variants as those of [`InputKind`].
 #[derive(Debug, Serialize)]
-pub enum WhatRef<'a> {
+pub enum InputKindRef<'a> {
     Joints { hand: u32, time: f64, joints: &'a [[f64; 7]], radii: &'a [f64] },
     Angles { hand: u32, time: f64, wrist: [f64; 7], angles: &'a [f64] },
     Lost { hand: u32 },
@@ -74,44 +74,44 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
     match entry {
         Entry::Pose { hand, time, pose: LivePose::Joints { joints, radii } } => {
             let joints: [[f64; 7]; 25] = std::array::from_fn(|k| flat_pose(&joints[k]));
-            give(WhatRef::Joints { hand: hand as u32, time, joints: &joints, radii });
+            give(InputKindRef::Joints { hand: hand as u32, time, joints: &joints, radii });
         }
         Entry::Pose { hand, time, pose: LivePose::Angles { wrist, angles } } => {
             let wrist = flat_pose(wrist);
-            give(WhatRef::Angles { hand: hand as u32, time, wrist, angles });
+            give(InputKindRef::Angles { hand: hand as u32, time, wrist, angles });
         }
-        Entry::Lost { hand } => give(WhatRef::Lost { hand: hand as u32 }),
-        Entry::Script { hand } => give(WhatRef::Script { hand: hand as u32 }),
+        Entry::Lost { hand } => give(InputKindRef::Lost { hand: hand as u32 }),
+        Entry::Script { hand } => give(InputKindRef::Script { hand: hand as u32 }),
         Entry::Lead { hand, targets } => {
-            give(WhatRef::Lead { hand: hand as u32, targets: Flattened(targets) });
+            give(InputKindRef::Lead { hand: hand as u32, targets: Flattened(targets) });
         }
-        Entry::LetGo { hand } => give(WhatRef::LetGo { hand: hand as u32 }),
+        Entry::LetGo { hand } => give(InputKindRef::LetGo { hand: hand as u32 }),
         Entry::Resume { state } if !state.sides.places().is_empty() => {
             let (faded, places) = (&state.faded[..], state.sides.places());
-            give(WhatRef::ResumeHolding { state: state.into(), faded, places });
+            give(InputKindRef::ResumeHolding { state: state.into(), faded, places });
         }
         Entry::Resume { state } if state.faded.is_empty() => {
-            give(WhatRef::Resume { state: state.into() });
+            give(InputKindRef::Resume { state: state.into() });
         }
         Entry::Resume { state } => {
-            give(WhatRef::ResumeRemembering { state: state.into(), faded: &state.faded });
+            give(InputKindRef::ResumeRemembering { state: state.into(), faded: &state.faded });
         }
         Entry::Grip { hand, order } if order.adapts => {
-            give(WhatRef::GripAdapting { hand: hand as u32, order });
+            give(InputKindRef::GripAdapting { hand: hand as u32, order });
         }
-        Entry::Grip { hand, order } => give(WhatRef::Grip { hand: hand as u32, order }),
-        Entry::Release { hand } => give(WhatRef::Release { hand: hand as u32 }),
-        Entry::Restart => give(WhatRef::Restart),
+        Entry::Grip { hand, order } => give(InputKindRef::Grip { hand: hand as u32, order }),
+        Entry::Release { hand } => give(InputKindRef::Release { hand: hand as u32 }),
+        Entry::Restart => give(InputKindRef::Restart),
         Entry::Set { key, value: SettingValue::Number(value) } => {
-            give(WhatRef::SetNumber { key, value: *value });
+            give(InputKindRef::SetNumber { key, value: *value });
         }
         Entry::Set { key, value: SettingValue::Choice(value) } => {
-            give(WhatRef::SetChoice { key, value });
+            give(InputKindRef::SetChoice { key, value });
         }
     }
 }
 
-impl What {
+impl InputKind {
     /// True for what comes many times a second.
     pub fn is_often(&self) -> bool {
         matches!(
@@ -172,7 +172,7 @@ impl What {
     }
 }
 
-impl fmt::Display for What {
+impl fmt::Display for InputKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Joints { hand, .. } => write!(f, "joints of hand {hand}"),
@@ -262,7 +262,8 @@ mod tests {
 
     #[test]
     fn a_pose_with_too_few_joints_is_none() {
-        let what = What::Joints { hand: 0, time: 0.0, joints: vec![[0.0; 7]; 24], radii: vec![] };
+        let what =
+            InputKind::Joints { hand: 0, time: 0.0, joints: vec![[0.0; 7]; 24], radii: vec![] };
         assert_eq!(what.with_entry(|_| ()), None);
     }
 }

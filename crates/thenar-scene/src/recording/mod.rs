@@ -18,9 +18,9 @@ mod state;
 mod tape;
 mod verdict;
 
-pub use content::{Asset, Kept, Keyframe, SceneStart, StepMark};
+pub use content::{Asset, Keyframe, KeyframeRest, SceneStart, StepMark};
 pub use replay::{Event, Index, Replay, ReplayError};
 pub use scene::{ASSET_BYTES_MAX, FILE_BYTES_MAX};
 pub use snapshot::{SnapshotError, go_on_from, snapshot};
 pub use tape::{SessionTape, TimeOf};
-pub use verdict::{Difference, Loss, Moved, Verdict};
+pub use verdict::{Difference, Loss, ReplayDrift, Verdict};

@@ -2,7 +2,7 @@
 //! remembers and where skin is held beside it.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use thenar_core::kernels::Sides;
+use thenar_core::kernels::SeenSides;
 use thenar_core::world::State;
 use thenar_core::{Pose, Vec3};
 
@@ -15,7 +15,7 @@ pub struct BareRef<'a> {
     v: &'a [Vec3],
     contact_change: &'a [Vec3],
     impulses: &'a [(u64, Vec3)],
-    sides: &'a Sides,
+    sides: &'a SeenSides,
     limit_impulses: &'a [[f64; 2]],
     patch_loads: &'a [([u32; 3], f64)],
 }
@@ -33,7 +33,7 @@ struct Parts {
     v: Vec<Vec3>,
     contact_change: Vec<Vec3>,
     impulses: Vec<(u64, Vec3)>,
-    sides: Sides,
+    sides: SeenSides,
     limit_impulses: Vec<[f64; 2]>,
     patch_loads: Vec<([u32; 3], f64)>,
 }

@@ -3,7 +3,7 @@
 use super::content::{KeyframeRef, StepMark, append};
 use super::{entry, scene};
 use crate::session::{Entry, Session, Witness};
-use thenar_record::{Clock, Kind, Tape, Weight};
+use thenar_record::{Clock, FrameKind, Tape, Weight};
 
 /// The clock whose time frames carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,13 +66,13 @@ impl Witness for SessionTape {
         if let Some(start) = scene::start(session) {
             self.start = start.hash;
             let now = self.now();
-            self.tape.big_frame(Kind::Scene, now, |body| start.write(body));
+            self.tape.big_frame(FrameKind::Scene, now, |body| start.write(body));
         }
     }
 
     fn entered(&mut self, entry: Entry<'_>) {
         let (now, number) = (self.now(), self.number);
-        self.tape.frame(Kind::Input, now, Weight::Heavy, |body| {
+        self.tape.frame(FrameKind::Input, now, Weight::Heavy, |body| {
             entry::with_ref(number, entry, |input| append(body, input));
         });
     }
@@ -94,12 +94,13 @@ impl Witness for SessionTape {
             cost_ns: u32::try_from(cost).unwrap_or(u32::MAX),
             taken_back: session.report().taken_back,
         };
-        self.tape.frame(Kind::Step, now, Weight::Usual, |body| mark.write(body));
+        self.tape.frame(FrameKind::Step, now, Weight::Usual, |body| mark.write(body));
         // Half a step early is not late.
         if self.since_keyframe >= self.keyframe_every - 0.5 * world.time_step() {
             self.since_keyframe = 0.0;
             let keyframe = KeyframeRef::of(session, self.number, self.start);
-            self.tape.frame(Kind::Keyframe, now, Weight::Light, |body| append(body, &keyframe));
+            self.tape
+                .frame(FrameKind::Keyframe, now, Weight::Light, |body| append(body, &keyframe));
         }
     }
 }

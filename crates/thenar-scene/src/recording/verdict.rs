@@ -18,14 +18,14 @@ pub struct Difference {
 
 /// How far a replay was from a keyframe before it was put right.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moved {
+pub struct ReplayDrift {
     /// Largest distance of a rigid body \[m\].
     pub rigid: f64,
     /// Largest distance of a node \[m\].
     pub node: f64,
 }
 
-impl Moved {
+impl ReplayDrift {
     pub(super) fn between(a: &State, b: &State) -> Self {
         let farthest = |pairs: &mut dyn Iterator<Item = (Vec3, Vec3)>| {
             pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
@@ -86,7 +86,7 @@ pub struct Verdict {
     /// The first difference.
     pub first: Option<Difference>,
     /// Keyframes that put the replay right, and how far it was off at most.
-    pub put_right: (u64, Moved),
+    pub put_right: (u64, ReplayDrift),
     /// Inputs that the session refused.
     pub refused: Vec<String>,
     /// Records of channels that were not announced, or with another number of values than announced.
@@ -160,7 +160,7 @@ impl fmt::Display for Verdict {
         if *unmarked > 0 {
             write!(f, "; {unmarked} steps were not marked and could not be compared")?;
         }
-        if let (times @ 1.., Moved { rigid, node }) = self.put_right {
+        if let (times @ 1.., ReplayDrift { rigid, node }) = self.put_right {
             write!(
                 f,
                 "; put right {times} times by keyframes, when bodies were off by {rigid:.1e} m and \

@@ -45,14 +45,14 @@ enum Value {
 pub struct MemoryRef<'a> {
     steps: u64,
     set: SetRef<'a>,
-    hands: HandsRef<'a>,
+    hands: HandMemoriesRef<'a>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct SetRef<'a>(&'a Session);
 
 #[derive(Clone, Copy, Debug)]
-struct HandsRef<'a>(&'a Session);
+struct HandMemoriesRef<'a>(&'a Session);
 
 #[derive(Serialize)]
 enum ValueRef<'a> {
@@ -61,7 +61,7 @@ enum ValueRef<'a> {
 }
 
 #[derive(Serialize)]
-struct HandRef<'a> {
+struct HandMemoryRef<'a> {
     live: Option<LiveMemoryRef<'a>>,
     led: Option<Flattened<'a, Target>>,
     targets: Flattened<'a, Option<Target>>,
@@ -79,13 +79,15 @@ impl Serialize for SetRef<'_> {
     }
 }
 
-impl Serialize for HandsRef<'_> {
+impl Serialize for HandMemoriesRef<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let Session { live, led, input, built, .. } = self.0;
-        to.collect_seq(built.hands.iter().zip(live).zip(led).map(|((hand, live), led)| HandRef {
-            live: live.as_ref().ok().map(|live| live.memory()),
-            led: led.as_deref().map(Flattened),
-            targets: Flattened(&input.targets[drive::bones(hand)]),
+        to.collect_seq(built.hands.iter().zip(live).zip(led).map(|((hand, live), led)| {
+            HandMemoryRef {
+                live: live.as_ref().ok().map(|live| live.memory()),
+                led: led.as_deref().map(Flattened),
+                targets: Flattened(&input.targets[drive::bones(hand)]),
+            }
         }))
     }
 }
@@ -93,7 +95,7 @@ impl Serialize for HandsRef<'_> {
 impl Session {
     /// What the next step depends on besides the world's state, the source and what enters.
     pub(crate) fn memory(&self) -> MemoryRef<'_> {
-        MemoryRef { steps: self.steps, set: SetRef(self), hands: HandsRef(self) }
+        MemoryRef { steps: self.steps, set: SetRef(self), hands: HandMemoriesRef(self) }
     }
 
     /// Goes on from what another session of the same source was at an instant. False, and nothing

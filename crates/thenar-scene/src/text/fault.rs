@@ -6,7 +6,7 @@ use thenar_input::brief;
 
 /// Where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum SourcePlace {
     /// Bytes of the scene file.
     Text(Range<usize>),
     /// The override with this index, e.g. from `--set`.
@@ -17,7 +17,7 @@ pub enum Place {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// Place in the text.
-    pub place: Place,
+    pub place: SourcePlace,
     /// Full key, e.g. `rigid[0].mass`; empty for the file as a whole.
     pub key: String,
     /// What was expected and what was found.
@@ -83,7 +83,7 @@ fn prefix(key: &str) -> String {
 
 impl Fault {
     /// A fault at a place. What is long of key and problem is shortened: both may repeat what a user wrote.
-    pub fn new(place: &Place, key: impl Into<String>, problem: impl Into<String>) -> Self {
+    pub fn new(place: &SourcePlace, key: impl Into<String>, problem: impl Into<String>) -> Self {
         let (key, problem) = (brief(&key.into()), brief(&problem.into()));
         Self { place: place.clone(), key, problem }
     }
@@ -92,11 +92,11 @@ impl Fault {
     pub fn locate(self, file: &Path, text: &str, overrides: &[String]) -> SceneError {
         let Fault { place, key, problem } = self;
         match place {
-            Place::Text(bytes) => {
+            SourcePlace::Text(bytes) => {
                 let (line, column) = line_and_column(text, bytes.start);
                 SceneError::InFile { file: file.to_path_buf(), line, column, key, problem }
             }
-            Place::Override(i) => {
+            SourcePlace::Override(i) => {
                 let text = overrides.get(i).map(|text| brief(text)).unwrap_or_default();
                 SceneError::InOverride { text, key, problem }
             }

@@ -14,7 +14,7 @@ mod schema;
 mod suggest;
 
 pub(crate) use declare::{choice, table, words};
-pub use fault::{Fault, Place, SceneError};
+pub use fault::{Fault, SceneError, SourcePlace};
 pub use node::{Node, Value};
 pub use overrides::{Override, apply as apply_override};
 pub use path::{Cx, Step};

@@ -1,6 +1,6 @@
 //! A TOML document as a tree in which every value knows where it was written.
 
-use super::{Fault, Place, plain};
+use super::{Fault, SourcePlace, plain};
 use thenar_input::quoted;
 use toml::de::{DeTable, DeValue};
 
@@ -10,7 +10,7 @@ pub struct Node {
     /// The value.
     pub value: Value,
     /// Where it was written.
-    pub place: Place,
+    pub place: SourcePlace,
 }
 
 /// A TOML value. Tables keep the order of the text.
@@ -38,7 +38,7 @@ pub struct Entry {
     /// Name of the key.
     pub key: String,
     /// Where the name was written.
-    pub place: Place,
+    pub place: SourcePlace,
     /// Value of the key.
     pub node: Node,
 }
@@ -50,8 +50,8 @@ impl Node {
     /// The text is not TOML.
     pub fn parse(text: &str) -> Result<Node, Fault> {
         let parsed = DeTable::parse(text).map_err(|e| syntax(&e))?;
-        from_table(parsed.get_ref(), &Place::Text)
-            .map(|value| Node { value, place: Place::Text(0..0) })
+        from_table(parsed.get_ref(), &SourcePlace::Text)
+            .map(|value| Node { value, place: SourcePlace::Text(0..0) })
     }
 
     /// Parses `key = value` where every place is override `index`.
@@ -59,10 +59,11 @@ impl Node {
     /// # Errors
     /// The text is not TOML.
     pub fn parse_override(text: &str, index: usize) -> Result<Node, Fault> {
-        let place = Place::Override(index);
+        let place = SourcePlace::Override(index);
         let parsed =
             DeTable::parse(text).map_err(|e| Fault::new(&place, "", e.message().to_string()))?;
-        from_table(parsed.get_ref(), &|_| Place::Override(index)).map(|value| Node { value, place })
+        from_table(parsed.get_ref(), &|_| SourcePlace::Override(index))
+            .map(|value| Node { value, place })
     }
 
     /// The value in words, for messages: `the string "x"`, `-1`, `an array of 2`.
@@ -88,11 +89,11 @@ impl Node {
     }
 }
 
-type MakePlace<'a> = &'a dyn Fn(std::ops::Range<usize>) -> Place;
+type MakePlace<'a> = &'a dyn Fn(std::ops::Range<usize>) -> SourcePlace;
 
 fn syntax(error: &toml::de::Error) -> Fault {
     let at = error.span().unwrap_or(0..0);
-    Fault::new(&Place::Text(at), "", format!("not valid TOML: {}", error.message()))
+    Fault::new(&SourcePlace::Text(at), "", format!("not valid TOML: {}", error.message()))
 }
 
 fn from_table(table: &DeTable<'_>, place: MakePlace<'_>) -> Result<Value, Fault> {

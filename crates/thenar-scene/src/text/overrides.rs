@@ -1,7 +1,7 @@
 //! Overrides such as `--set solver.cone="linearised"`: a dotted key and a TOML value.
 
 use super::node::Entry;
-use super::{Fault, Node, Place, Value};
+use super::{Fault, Node, SourcePlace, Value};
 
 /// Most parts of a dotted key: as many as the TOML reader takes in a file (its recursion limit). Trees are
 /// walked by recursion.
@@ -27,7 +27,7 @@ impl Override {
 /// # Errors
 /// There is no `=`, the value is not TOML, or the key leads through something that is no table.
 pub fn apply(root: &mut Node, given: &Override, index: usize) -> Result<(), Fault> {
-    let place = Place::Override(index);
+    let place = SourcePlace::Override(index);
     let fault = |problem: &str| Fault::new(&place, "", problem);
     let (key, value) = given
         .text
@@ -51,7 +51,7 @@ fn parse_value(text: &str, index: usize) -> Result<Node, Fault> {
         Value::Table(mut entries) if entries.len() == 1 => entries.pop().map(|e| e.node),
         _ => None,
     };
-    let place = Place::Override(index);
+    let place = SourcePlace::Override(index);
     let bare = |text: &str| {
         !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || "-_/.*".contains(c))
     };
@@ -62,7 +62,7 @@ fn parse_value(text: &str, index: usize) -> Result<Node, Fault> {
     }
 }
 
-fn insert(node: &mut Node, steps: &[&str], value: Node, place: &Place) -> Result<(), Fault> {
+fn insert(node: &mut Node, steps: &[&str], value: Node, place: &SourcePlace) -> Result<(), Fault> {
     let Some((first, rest)) = steps.split_first() else {
         *node = value;
         return Ok(());

@@ -1,6 +1,6 @@
 //! The key path of the value being read, kept on the stack and written out only for a message.
 
-use super::{Fault, Node, Place, Range};
+use super::{Fault, Node, Range, SourcePlace};
 
 /// One step from a value to a value inside it.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,7 @@ impl<'a> Cx<'a> {
     }
 
     /// A fault about this value.
-    pub fn fault(&self, place: &Place, problem: impl Into<String>) -> Fault {
+    pub fn fault(&self, place: &SourcePlace, problem: impl Into<String>) -> Fault {
         Fault::new(place, self.key(), problem)
     }
 

@@ -1,6 +1,6 @@
 //! How the kinds of values are read and described.
 
-use super::{Cx, Defs, Fault, Node, Place, Range, Step, Value, nearest};
+use super::{Cx, Defs, Fault, Node, Range, SourcePlace, Step, Value, nearest};
 use crate::math::Vec3;
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ pub struct At<T> {
     /// The value.
     pub value: T,
     /// Where it was written.
-    pub place: Place,
+    pub place: SourcePlace,
     /// Full key of the value.
     pub key: String,
 }
@@ -51,7 +51,7 @@ impl<T> At<T> {
 impl<T> At<Vec<T>> {
     /// No values, written nowhere.
     pub fn none() -> Self {
-        Self { value: Vec::new(), place: Place::Text(0..0), key: String::new() }
+        Self { value: Vec::new(), place: SourcePlace::Text(0..0), key: String::new() }
     }
 }
 

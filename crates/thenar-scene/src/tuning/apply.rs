@@ -28,7 +28,7 @@ pub struct HandBodies {
 
 /// What a description's bodies are.
 #[derive(Clone, Debug)]
-pub struct Parts {
+pub struct SceneBodies {
     /// Hands of the scene.
     pub hands: Vec<HandBodies>,
     /// Soft bodies that are no hands.
@@ -39,7 +39,7 @@ pub struct Parts {
     pub solver: SolverSettings,
 }
 
-impl Parts {
+impl SceneBodies {
     /// Finds them.
     pub fn new(desc: &WorldDesc, hands: Vec<HandBodies>) -> Self {
         let is_hand = |i: &usize| hands.iter().any(|hand| hand.soft == Some(*i));
@@ -86,7 +86,7 @@ pub fn set_friction(desc: &mut WorldDesc, friction: f64) {
 }
 
 /// Drives of all hands, stiffer by `factor`, each as well damped as before.
-pub fn scale_drives(desc: &mut WorldDesc, parts: &Parts, factor: f64) {
+pub fn scale_drives(desc: &mut WorldDesc, parts: &SceneBodies, factor: f64) {
     for bone in parts.hands.iter().flat_map(|hand| hand.bones.clone()) {
         if let Some(drive) = &mut desc.drives[bone] {
             drive.stiffness *= factor;
@@ -98,7 +98,7 @@ pub fn scale_drives(desc: &mut WorldDesc, parts: &Parts, factor: f64) {
 }
 
 /// Springs between flesh and bones of all hands, per volume \[N/m⁴\].
-pub fn set_coupling(desc: &mut WorldDesc, parts: &Parts, stiffness: f64) {
+pub fn set_coupling(desc: &mut WorldDesc, parts: &SceneBodies, stiffness: f64) {
     for soft in parts.flesh() {
         let springs = desc.softs[soft].coupling.as_mut().map(|coupling| &mut coupling.springs);
         if let Some(Springs::PerVolume { stiffness: own, .. }) = springs
@@ -110,7 +110,7 @@ pub fn set_coupling(desc: &mut WorldDesc, parts: &Parts, stiffness: f64) {
 }
 
 /// Springs between flesh and bones of the first hand that has flesh, per volume \[N/m⁴\].
-pub fn coupling(desc: &WorldDesc, parts: &Parts) -> Option<f64> {
+pub fn coupling(desc: &WorldDesc, parts: &SceneBodies) -> Option<f64> {
     let soft = parts.flesh().next()?;
     match desc.softs[soft].coupling.as_ref()?.springs {
         Springs::PerVolume { stiffness, .. } => Some(stiffness),
@@ -119,7 +119,7 @@ pub fn coupling(desc: &WorldDesc, parts: &Parts) -> Option<f64> {
 }
 
 /// Scales masses and inertias of all loose rigid bodies so that the heaviest weighs `mass` \[kg\].
-pub fn set_mass(desc: &mut WorldDesc, parts: &Parts, mass: f64) {
+pub fn set_mass(desc: &mut WorldDesc, parts: &SceneBodies, mass: f64) {
     let Some(heaviest) = heaviest(desc, parts) else { return };
     for rigid in &parts.rigids {
         let rigid = &mut desc.rigids[*rigid];
@@ -129,7 +129,7 @@ pub fn set_mass(desc: &mut WorldDesc, parts: &Parts, mass: f64) {
 }
 
 /// Mass of the heaviest loose rigid body \[kg\].
-pub fn heaviest(desc: &WorldDesc, parts: &Parts) -> Option<f64> {
+pub fn heaviest(desc: &WorldDesc, parts: &SceneBodies) -> Option<f64> {
     parts.rigids.iter().map(|i| desc.rigids[*i].mass).max_by(f64::total_cmp)
 }
 
@@ -143,14 +143,14 @@ pub fn set_gravity(desc: &mut WorldDesc, size: f64) {
 pub fn solver_word(solver: &SolverSettings) -> &'static str {
     match (solver.kind, solver.step1_flesh) {
         (SolverKind::Exact, _) => EXACT,
-        (SolverKind::Monolithic, _) => DENSE,
+        (SolverKind::DenseReference, _) => DENSE,
         (SolverKind::TwoStep, FleshInStep1::Lumped) => TWO_STEP,
         (SolverKind::TwoStep, FleshInStep1::Frozen) => FROZEN,
     }
 }
 
 /// Chooses a solver by its word.
-pub fn set_solver(desc: &mut WorldDesc, parts: &Parts, word: &str) {
+pub fn set_solver(desc: &mut WorldDesc, parts: &SceneBodies, word: &str) {
     let solver = &mut desc.solver;
     if word == solver_word(&parts.solver) {
         (solver.kind, solver.step1_flesh) = (parts.solver.kind, parts.solver.step1_flesh);

@@ -1,6 +1,6 @@
 //! The settings, one entry each.
 
-use super::apply::{self, Parts};
+use super::apply::{self, SceneBodies};
 use super::{Range, Scale, Setting, SettingError, SettingValue};
 use crate::text::plain;
 use SettingValue::{Choice, Number};
@@ -8,7 +8,7 @@ use thenar_core::model::{Cone, SolverKind, WorldDesc};
 use thenar_input::quoted;
 
 /// A setting that scenes may have.
-pub struct Known {
+pub struct SettingDef {
     pub key: &'static str,
     pub label: &'static str,
     pub help: &'static str,
@@ -17,14 +17,14 @@ pub struct Known {
     /// `None` for words.
     pub range: Option<(f64, f64, Scale)>,
     /// The scene's own value; `None` when the setting has no meaning in it.
-    pub own: fn(&WorldDesc, &Parts) -> Option<SettingValue>,
+    pub own: fn(&WorldDesc, &SceneBodies) -> Option<SettingValue>,
     /// Changes a description.
-    pub apply: fn(&mut WorldDesc, &Parts, &SettingValue),
+    pub apply: fn(&mut WorldDesc, &SceneBodies, &SettingValue),
 }
 
 /// All settings, in the order in which they are applied and shown.
-pub const ALL: &[Known] = &[
-    Known {
+pub const ALL: &[SettingDef] = &[
+    SettingDef {
         key: "solver",
         label: "Solver",
         help: "Exact solves bones, flesh and contact together. Two-step moves the bones first, \
@@ -42,7 +42,7 @@ pub const ALL: &[Known] = &[
             }
         },
     },
-    Known {
+    SettingDef {
         key: "cone",
         label: "Friction cone",
         help: "Circular is exact: friction is equally strong in all directions. Linearised is \
@@ -56,7 +56,7 @@ pub const ALL: &[Known] = &[
             desc.solver.cone = if linearised { Cone::Linearised } else { Cone::Circular };
         },
     },
-    Known {
+    SettingDef {
         key: "time_step",
         label: "Time step",
         help: "Simulated time per step. Shorter steps are more exact and cost more computing \
@@ -67,7 +67,7 @@ pub const ALL: &[Known] = &[
         own: |desc, _| Some(Number(desc.time_step)),
         apply: |desc, _, value| number(value, |h| desc.time_step = h),
     },
-    Known {
+    SettingDef {
         key: "gravity",
         label: "Gravity",
         help: "How strongly everything is pulled down. 9.81 is the Earth's, 0 is free floating.",
@@ -77,7 +77,7 @@ pub const ALL: &[Known] = &[
         own: |desc, _| Some(Number(desc.gravity.norm())),
         apply: |desc, _, value| number(value, |g| apply::set_gravity(desc, g)),
     },
-    Known {
+    SettingDef {
         key: "friction",
         label: "Friction",
         help: "Sideways force that a contact holds, as a part of the force that presses it. More \
@@ -94,7 +94,7 @@ pub const ALL: &[Known] = &[
         },
         apply: |desc, _, value| number(value, |mu| apply::set_friction(desc, mu)),
     },
-    Known {
+    SettingDef {
         key: "hand_young",
         label: "Flesh stiffness",
         help: "Young's modulus of the hand's flesh. Softer flesh bulges and wraps around what \
@@ -107,7 +107,7 @@ pub const ALL: &[Known] = &[
             number(value, |e| parts.flesh().for_each(|soft| apply::set_young(desc, soft, e)));
         },
     },
-    Known {
+    SettingDef {
         key: "hand_poisson",
         label: "Flesh incompressibility",
         help: "Poisson's ratio of the hand's flesh. Near 0.5 it keeps its volume: what is \
@@ -120,7 +120,7 @@ pub const ALL: &[Known] = &[
             number(value, |nu| parts.flesh().for_each(|soft| apply::set_poisson(desc, soft, nu)));
         },
     },
-    Known {
+    SettingDef {
         key: "coupling_stiffness",
         label: "Flesh on bone",
         help: "Springs between flesh and bones, per volume of what they hold. Soft springs let \
@@ -132,7 +132,7 @@ pub const ALL: &[Known] = &[
         own: |desc, parts| apply::coupling(desc, parts).filter(|k| *k > 0.0).map(Number),
         apply: |desc, parts, value| number(value, |k| apply::set_coupling(desc, parts, k)),
     },
-    Known {
+    SettingDef {
         key: "drive_stiffness",
         label: "Strength",
         help: "How strongly the hand is pulled to where it is tracked, relative to the scene's \
@@ -146,7 +146,7 @@ pub const ALL: &[Known] = &[
         },
         apply: |desc, parts, value| number(value, |f| apply::scale_drives(desc, parts, f)),
     },
-    Known {
+    SettingDef {
         key: "flesh_damping",
         label: "Damping",
         help: "How quickly soft bodies stop wobbling: stiffness-proportional damping of hands and \
@@ -164,7 +164,7 @@ pub const ALL: &[Known] = &[
             });
         },
     },
-    Known {
+    SettingDef {
         key: "object_young",
         label: "Object stiffness",
         help: "Young's modulus of the soft object, of its stiffest part. Bread is near 10 kPa, \
@@ -177,7 +177,7 @@ pub const ALL: &[Known] = &[
             number(value, |e| parts.objects.iter().for_each(|i| apply::set_young(desc, *i, e)));
         },
     },
-    Known {
+    SettingDef {
         key: "object_poisson",
         label: "Object incompressibility",
         help: "Poisson's ratio of the soft object: 0 is squeezed like a sponge, near 0.5 it keeps \
@@ -192,7 +192,7 @@ pub const ALL: &[Known] = &[
             number(value, |nu| parts.objects.iter().for_each(|i| apply::set_poisson(desc, *i, nu)));
         },
     },
-    Known {
+    SettingDef {
         key: "object_mass",
         label: "Object mass",
         help: "Mass of the rigid object (of several: of the heaviest, the others in proportion). \
@@ -212,7 +212,12 @@ fn number(value: &SettingValue, then: impl FnOnce(f64)) {
 }
 
 /// The range of a setting, wide enough for the scene's own value.
-pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc, parts: &Parts) -> Range {
+pub fn range_around(
+    known: &SettingDef,
+    own: &SettingValue,
+    desc: &WorldDesc,
+    parts: &SceneBodies,
+) -> Range {
     match (known.range, own) {
         (Some((min, max, scale)), Number(own)) => {
             Range::Number { min: min.min(*own), max: max.max(*own), scale }

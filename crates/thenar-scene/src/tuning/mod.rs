@@ -111,7 +111,7 @@ pub struct Tuning {
     /// The world as the scene describes it.
     base: WorldDesc,
     /// What is known of its bodies.
-    parts: apply::Parts,
+    parts: apply::SceneBodies,
     /// What was set, by key.
     set: BTreeMap<&'static str, SettingValue>,
 }
@@ -119,7 +119,7 @@ pub struct Tuning {
 impl Tuning {
     /// Nothing set yet. `hands` are the bodies of each hand and figure.
     pub(crate) fn new(base: WorldDesc, hands: Vec<apply::HandBodies>) -> Self {
-        let parts = apply::Parts::new(&base, hands);
+        let parts = apply::SceneBodies::new(&base, hands);
         Self { base, parts, set: BTreeMap::new() }
     }
 
@@ -128,7 +128,7 @@ impl Tuning {
         list::ALL.iter().filter_map(|known| self.setting(known)).collect()
     }
 
-    fn setting(&self, known: &list::Known) -> Option<Setting> {
+    fn setting(&self, known: &list::SettingDef) -> Option<Setting> {
         let own = (known.own)(&self.base, &self.parts)?;
         Some(Setting {
             key: known.key,

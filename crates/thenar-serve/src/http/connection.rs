@@ -1,6 +1,6 @@
 //! Connections: taken in, counted, encrypted where asked, and handed to the site.
 
-use super::crowd::{Crowd, Place};
+use super::crowd::{Crowd, CrowdSeat};
 use super::metered::Metered;
 use super::site::Site;
 use hyper::server::conn::http1;
@@ -54,7 +54,7 @@ async fn serve(
     peer: IpAddr,
     tls: Option<TlsAcceptor>,
     site: Arc<Site>,
-    place: Arc<Place>,
+    place: Arc<CrowdSeat>,
 ) -> Result<()> {
     stream.set_nodelay(true)?;
     let limits = &site.limits;
@@ -73,7 +73,7 @@ async fn serve(
 }
 
 /// Answers the requests of one connection, until one of them turns it into a session.
-async fn requests<S>(stream: S, peer: IpAddr, site: Arc<Site>, place: Arc<Place>) -> Result<()>
+async fn requests<S>(stream: S, peer: IpAddr, site: Arc<Site>, place: Arc<CrowdSeat>) -> Result<()>
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {

@@ -7,7 +7,7 @@
 //! opened and left keep nobody out: to shake hands and to ask takes milliseconds, and a newcomer is the
 //! last to go.
 
-use super::options::Limits;
+use super::options::RequestLimits;
 use std::collections::{HashMap, HashSet};
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,7 +39,7 @@ struct Stranger {
 
 /// A place in the crowd, given back when dropped.
 #[derive(Debug)]
-pub struct Place {
+pub struct CrowdSeat {
     crowd: Arc<Crowd>,
     number: u64,
     from: IpAddr,
@@ -71,7 +71,7 @@ impl Tables {
         }
     }
 
-    fn admit(&mut self, from: IpAddr, limits: &Limits) -> bool {
+    fn admit(&mut self, from: IpAddr, limits: &RequestLimits) -> bool {
         let all: usize = self.admitted.values().sum();
         let here = self.admitted.get(&from).copied().unwrap_or(0);
         let free = all < limits.connections && here < limits.connections_per_address;
@@ -88,7 +88,7 @@ impl Crowd {
     }
 
     /// A place for a stranger.
-    pub fn meet(self: &Arc<Self>, from: IpAddr, limits: &Limits) -> Arc<Place> {
+    pub fn meet(self: &Arc<Self>, from: IpAddr, limits: &RequestLimits) -> Arc<CrowdSeat> {
         let mut tables = self.tables();
         if tables.strangers_from(from) >= limits.connections_per_address {
             tables.turn_out(Some(from));
@@ -100,11 +100,11 @@ impl Crowd {
         let number = tables.newest;
         tables.strangers.insert(number, Stranger { from, end: None });
         drop(tables);
-        Arc::new(Place { crowd: self.clone(), number, from, admitted: Mutex::new(false) })
+        Arc::new(CrowdSeat { crowd: self.clone(), number, from, admitted: Mutex::new(false) })
     }
 }
 
-impl Place {
+impl CrowdSeat {
     /// Tells how a stranger's connection is ended.
     pub fn served_by(&self, end: AbortHandle) {
         if let Some(stranger) = self.crowd.tables().strangers.get_mut(&self.number) {
@@ -113,7 +113,7 @@ impl Place {
     }
 
     /// A request was granted: nobody takes this place any more. False when there is none for such.
-    pub fn admit(&self, limits: &Limits) -> bool {
+    pub fn admit(&self, limits: &RequestLimits) -> bool {
         let mut admitted = self.admitted.lock().unwrap_or_else(PoisonError::into_inner);
         if *admitted {
             return true;
@@ -131,7 +131,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for CrowdSeat {
     fn drop(&mut self) {
         let mut tables = self.crowd.tables();
         tables.strangers.remove(&self.number);
@@ -154,8 +154,8 @@ mod tests {
         IpAddr::from([10, 0, 0, k])
     }
 
-    fn limits() -> Limits {
-        Limits { connections: 6, connections_per_address: 4, ..Limits::default() }
+    fn limits() -> RequestLimits {
+        RequestLimits { connections: 6, connections_per_address: 4, ..RequestLimits::default() }
     }
 
     /// Strangers that are there, by address.

@@ -92,11 +92,11 @@ fn is_host_name(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::options::Limits;
+    use super::super::options::RequestLimits;
     use super::*;
 
     fn options(port: Port) -> Options {
-        Options { reach: Reach::Desk, address: None, port, limits: Limits::default() }
+        Options { reach: Reach::Desk, address: None, port, limits: RequestLimits::default() }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A connection that may neither pour, nor fall silent, nor refuse to drain.
 
-use super::options::Limits;
+use super::options::RequestLimits;
 use super::rates::Bucket;
 use std::future::Future;
 use std::io::{Error, ErrorKind, IoSlice, Result};
@@ -22,7 +22,7 @@ pub struct Metered<S> {
 
 impl<S> Metered<S> {
     /// Bounds a stream from now on.
-    pub fn new(stream: S, limits: &Limits) -> Self {
+    pub fn new(stream: S, limits: &RequestLimits) -> Self {
         Self {
             stream,
             allowance: Bucket::new(limits.bytes, 4.0, Instant::now()),

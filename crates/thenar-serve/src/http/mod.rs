@@ -2,7 +2,7 @@
 //!
 //! One thread of its own serves everybody, so that clients together never take more than one core
 //! from the simulation. Guaranteed: no client makes the simulation or another client wait; what a
-//! client may cost is bounded by [`Limits`]; pages of other origins and, with [`Reach::Lan`],
+//! client may cost is bounded by [`RequestLimits`]; pages of other origins and, with [`Reach::Lan`],
 //! everyone without the pairing token get a refusal and nothing else. Not guaranteed: that a
 //! visitor with the token is well-meaning, or that a flood of packets leaves the network usable.
 
@@ -21,7 +21,7 @@ mod session;
 mod site;
 mod token;
 
-pub use options::{Limits, Options, Port, Reach};
+pub use options::{Options, Port, Reach, RequestLimits};
 
 use crate::hub::Hub;
 use crate::page;

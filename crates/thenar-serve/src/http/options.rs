@@ -31,13 +31,13 @@ pub struct Options {
     /// The port to listen on.
     pub port: Port,
     /// What clients may do.
-    pub limits: Limits,
+    pub limits: RequestLimits,
 }
 
 /// Bounds on what clients may cost. Beyond them a client is refused or cut off; the simulation
 /// never waits for one.
 #[derive(Clone, Debug)]
-pub struct Limits {
+pub struct RequestLimits {
     /// Sessions at a time.
     pub clients: usize,
     /// Other connections at a time: a connection that has become a session no longer counts.
@@ -62,13 +62,13 @@ pub struct Limits {
     pub texts: f64,
     /// Poses a second; a tenth of a second's worth may come at once.
     pub poses: f64,
-    /// Refused messages within [`Limits::refusal_window`] that end a session.
+    /// Refused messages within [`RequestLimits::refusal_window`] that end a session.
     pub refusals: usize,
-    /// Time within which refusals are counted: see [`Limits::refusals`].
+    /// Time within which refusals are counted: see [`RequestLimits::refusals`].
     pub refusal_window: Duration,
 }
 
-impl Default for Limits {
+impl Default for RequestLimits {
     fn default() -> Self {
         Self {
             clients: 64,

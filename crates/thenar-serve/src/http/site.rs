@@ -1,9 +1,9 @@
 //! What all connections share.
 
-use super::crowd::Place;
+use super::crowd::CrowdSeat;
 use super::guard::{self, Admission, Refusal};
 use super::hall::Hall;
-use super::options::Limits;
+use super::options::RequestLimits;
 use super::reply::{self, Reply};
 use super::session;
 use super::token::{Guesses, Token};
@@ -51,7 +51,7 @@ pub struct Site {
     /// The clients that are let in.
     pub door: Door,
     /// What clients may do.
-    pub limits: Limits,
+    pub limits: RequestLimits,
     /// Places of sessions.
     pub hall: Hall,
     /// The number of the last client.
@@ -71,7 +71,7 @@ impl Site {
     pub async fn answer(
         self: Arc<Self>,
         peer: IpAddr,
-        place: Arc<Place>,
+        place: Arc<CrowdSeat>,
         mut request: Request<Incoming>,
     ) -> Result<Reply, Infallible> {
         let upgrade = hyper::upgrade::on(&mut request);

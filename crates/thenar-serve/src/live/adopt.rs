@@ -3,7 +3,7 @@
 use super::builder::Wish;
 use super::play::Play;
 use super::run::Loop;
-use super::source::Ready;
+use super::source::ReadyScene;
 use crate::protocol::text;
 use std::any::Any;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ const FAILURES_WITHIN: Duration = Duration::from_secs(30);
 
 impl Loop {
     /// Puts a scene on that has been made ready.
-    pub(super) fn adopt(&mut self, ready: Ready) {
+    pub(super) fn adopt(&mut self, ready: ReadyScene) {
         let same = ready.recipe.scene == self.recipe.scene;
         let felt = self.haptics.as_mut().map_or(Ok(()), |haptics| haptics.attach(&ready.session));
         self.free_witness();

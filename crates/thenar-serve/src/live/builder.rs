@@ -1,7 +1,7 @@
 //! Makes scenes ready on a thread of their own, one at a time; of several wishes the last counts, and ends
 //! what is being made for another.
 
-use super::source::{Catalogue, LiveError, Ready, Recipe};
+use super::source::{Catalogue, LiveError, ReadyScene, Recipe};
 use crate::hub::ClientId;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -19,13 +19,13 @@ pub struct Wish {
 }
 
 /// What became of a wish.
-pub type Made = Result<Box<Ready>, String>;
+pub type BuildResult = Result<Box<ReadyScene>, String>;
 
 /// A scene in the making.
 #[derive(Debug)]
 struct Work {
     wish: Wish,
-    made: Receiver<Made>,
+    made: Receiver<BuildResult>,
     /// True when nobody waits for it any more.
     overtaken: Arc<AtomicBool>,
 }
@@ -65,7 +65,7 @@ impl Builder {
     }
 
     /// What has been made since the last call. What has been overtaken by another wish is dropped.
-    pub fn take(&mut self) -> Option<(Wish, Made)> {
+    pub fn take(&mut self) -> Option<(Wish, BuildResult)> {
         let made = match self.working.as_ref()?.made.try_recv() {
             Ok(made) => made,
             Err(TryRecvError::Empty) => return None,

@@ -7,7 +7,7 @@ use super::haptics::Haptics;
 use super::pacer::Pacer;
 use super::play::Play;
 use super::publish::Publisher;
-use super::source::{Ready, Recipe};
+use super::source::{ReadyScene, Recipe};
 use super::status::Status;
 use crate::dead_man::DeadMan;
 use crate::hub::{ClientId, Desk, Event};
@@ -72,7 +72,7 @@ impl Loop {
     pub fn new(
         desk: Desk,
         builder: Builder,
-        first: Ready,
+        first: ReadyScene,
         watcher: Option<Watcher>,
         haptics: Option<Haptics>,
         devices: Option<DeadMan>,

@@ -40,7 +40,7 @@ pub struct Recipe {
 
 /// A scene made ready.
 #[derive(Debug)]
-pub struct Ready {
+pub struct ReadyScene {
     /// From what.
     pub recipe: Recipe,
     /// To be stepped.
@@ -114,7 +114,7 @@ impl Catalogue {
     ///
     /// # Errors
     /// There is no such scene, or something in it is wrong.
-    pub fn make(&self, recipe: &Recipe) -> Result<Ready, LiveError> {
+    pub fn make(&self, recipe: &Recipe) -> Result<ReadyScene, LiveError> {
         let name = &recipe.scene;
         let own = self.own.as_ref().filter(|own| own.0 == *name);
         let (text, path) = match (own, builtin(name)) {
@@ -129,7 +129,7 @@ impl Catalogue {
         (source.hands, source.lengths) = (recipe.hands, [left, right]);
         let session = Session::open(&source, Files::beside(&path))?;
         let model = protocol::model(&session, name, 0)?;
-        Ok(Ready { recipe: recipe.clone(), session, model })
+        Ok(ReadyScene { recipe: recipe.clone(), session, model })
     }
 }
 

@@ -14,7 +14,7 @@ use thenar_scene::motion::{
 
 /// A hand.
 #[derive(Debug, Serialize)]
-pub struct Hand {
+pub struct HandEntry {
     name: String,
     side: Option<Side>,
     soft: Option<u32>,
@@ -60,7 +60,7 @@ pub struct Angle {
 }
 
 /// Describes a hand whose first bone is number `target_start` among a snapshot's targets.
-pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> Hand {
+pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> HandEntry {
     let model = &built.model;
     let bone = |bone: &thenar_core::model::Bone| Bone {
         name: bone.name.clone(),
@@ -70,7 +70,7 @@ pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> Hand
         radius: bone.radius,
         mass: bone.mass,
     };
-    Hand {
+    HandEntry {
         name: built.name.clone(),
         side: model.side,
         soft: built.flesh(),

@@ -43,7 +43,7 @@ struct Json<'a> {
     camera: Option<Camera>,
     rigids: Vec<rigid::Rigid>,
     softs: Vec<soft::Soft>,
-    hands: Vec<hand::Hand>,
+    hands: Vec<hand::HandEntry>,
     overlaps: Vec<Overlap<'a>>,
 }
 

@@ -3,7 +3,7 @@
 use super::arrays::{Array, Arrays, seven};
 use serde::Serialize;
 use thenar_core::model::{Motion, RigidDesc};
-use thenar_core::shape::{Part, Shape};
+use thenar_core::shape::{PlacedShape, Shape};
 use thenar_core::{Mat3, Pose, Vec3};
 use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
@@ -102,7 +102,7 @@ pub fn rigid(
 }
 
 /// A part of a compound, as a body of its own in the compound's frame.
-fn part(part: &Part, pose_BS: &Pose, arrays: &mut Arrays) -> Rigid {
+fn part(part: &PlacedShape, pose_BS: &Pose, arrays: &mut Arrays) -> Rigid {
     let desc = RigidDesc {
         name: String::new(),
         motion: Motion::Dynamic,

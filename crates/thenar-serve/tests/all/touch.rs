@@ -105,7 +105,7 @@ impl Felt {
             reach: Reach::Desk,
             address: None,
             port: Port::Exactly(0),
-            limits: http::Limits::default(),
+            limits: http::RequestLimits::default(),
         };
         Server::start(&options, self.hub.clone()).unwrap()
     }

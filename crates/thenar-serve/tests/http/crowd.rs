@@ -3,7 +3,7 @@
 use crate::stage::{Stage, rest};
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use thenar_serve::http::Limits;
+use thenar_serve::http::RequestLimits;
 
 /// Of a hundred, 64 are served and 36 hear why not; when those have left, others get in.
 #[test]
@@ -46,7 +46,7 @@ fn half_open(stage: &Stage, count: usize) -> Vec<TcpStream> {
 fn connections_that_ask_for_nothing_keep_nobody_out() {
     let stage = Stage::desk();
     let mut first = stage.join();
-    let limits = Limits::default();
+    let limits = RequestLimits::default();
     for count in [limits.connections_per_address, 2 * limits.connections] {
         let mut held = half_open(&stage, count);
         assert!(stage.get("/", "").starts_with("HTTP/1.1 200"), "{count}");
@@ -59,7 +59,8 @@ fn connections_that_ask_for_nothing_keep_nobody_out() {
 
 #[test]
 fn connections_that_ask_are_bounded_and_given_back() {
-    let limits = Limits { connections: 8, connections_per_address: 6, ..Limits::default() };
+    let limits =
+        RequestLimits { connections: 8, connections_per_address: 6, ..RequestLimits::default() };
     let stage = Stage::with(limits);
     let mut first = stage.join();
     let ask = || {

@@ -5,7 +5,7 @@ use crate::stage::{Client, Got, Stage};
 use std::io::Write;
 use std::net::TcpStream;
 use std::time::Duration;
-use thenar_serve::http::{Limits, Reach};
+use thenar_serve::http::{Reach, RequestLimits};
 use thenar_serve::hub::Event;
 use tokio_tungstenite::tungstenite::Message;
 
@@ -151,7 +151,7 @@ fn noise_is_survived() {
 /// never become a message.
 #[test]
 fn floods_end_the_session() {
-    let limits = Limits { bytes: 100_000.0, ..Limits::default() };
+    let limits = RequestLimits { bytes: 100_000.0, ..RequestLimits::default() };
     let stage = Stage::with(limits);
     let mut good = stage.join();
     let mut pings = by_hand(&stage, &frame(0x89, b"").repeat(10_000));
@@ -169,7 +169,7 @@ fn floods_end_the_session() {
 /// Takes the opening, then neither reads nor answers: no sign of life.
 #[test]
 fn who_gives_no_sign_of_life_is_cut_off() {
-    let limits = Limits { ping: Duration::from_millis(100), ..Limits::default() };
+    let limits = RequestLimits { ping: Duration::from_millis(100), ..RequestLimits::default() };
     let stage = Stage::with(limits);
     let gone: Vec<TcpStream> = (0..10).map(|_| stage.join_raw()).collect();
     let mut good = stage.join();
@@ -186,10 +186,10 @@ fn who_gives_no_sign_of_life_is_cut_off() {
 /// Signs of life without reading a model larger than all buffers on the way.
 #[test]
 fn who_never_reads_is_cut_off() {
-    let limits = Limits {
+    let limits = RequestLimits {
         send: Duration::from_millis(500),
         stuck: Duration::from_millis(500),
-        ..Limits::default()
+        ..RequestLimits::default()
     };
     let stage = Stage::new(Reach::Desk, limits, 30_000_000);
     let mut good = stage.join();
@@ -212,7 +212,7 @@ fn who_reads_nothing_gives_way_to_who_does() {
     let stage = Stage::desk();
     let mut good = stage.join();
     let mut idle: Vec<TcpStream> =
-        (1..Limits::default().clients).map(|_| stage.join_raw()).collect();
+        (1..RequestLimits::default().clients).map(|_| stage.join_raw()).collect();
     assert_eq!(stage.try_join().err(), Some(503), "any of them may be reading");
     let begun = std::time::Instant::now();
     let mut number = 0_u32;

@@ -5,7 +5,7 @@ use ring::digest::{SHA256, digest};
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
-use thenar_serve::http::{Limits, Reach};
+use thenar_serve::http::{Reach, RequestLimits};
 use tokio_rustls::rustls::client::danger::{
     HandshakeSignatureValid, ServerCertVerified, ServerCertVerifier,
 };
@@ -79,7 +79,7 @@ impl Lan {
 
     /// Asked by clients of these versions of TLS.
     fn with(versions: &[&'static SupportedProtocolVersion]) -> Self {
-        let stage = Stage::new(Reach::Lan, Limits::default(), 1000);
+        let stage = Stage::new(Reach::Lan, RequestLimits::default(), 1000);
         let server = stage.server.as_ref().unwrap();
         let url = server.urls()[0].clone();
         let token =
@@ -220,7 +220,7 @@ fn half_open(lan: &Lan, count: usize) -> Vec<Box<dyn std::any::Any>> {
 #[test]
 fn strangers_who_hold_connections_keep_nobody_out() {
     let lan = Lan::new();
-    let limits = Limits::default();
+    let limits = RequestLimits::default();
     let cookie = lan.cookie(&lan.token);
     for count in [limits.connections_per_address, 2 * limits.connections] {
         let held = half_open(&lan, count);
@@ -251,7 +251,7 @@ fn who_has_shown_the_token_is_not_turned_out() {
         text
     };
     assert!(answered(&mut mine).starts_with("http/1.1 404"));
-    let _held = half_open(&lan, 2 * Limits::default().connections);
+    let _held = half_open(&lan, 2 * RequestLimits::default().connections);
     mine.write_all(request.as_bytes()).unwrap();
     assert!(answered(&mut mine).starts_with("http/1.1 404"));
 }

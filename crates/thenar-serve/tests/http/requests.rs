@@ -5,7 +5,7 @@ use flate2::read::GzDecoder;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
-use thenar_serve::http::Limits;
+use thenar_serve::http::RequestLimits;
 use thenar_serve::page;
 
 fn status(reply: &str) -> u16 {
@@ -187,7 +187,7 @@ fn what_is_no_proper_request_is_refused() {
 /// by the server; others are served meanwhile.
 #[test]
 fn who_does_not_get_to_the_point_is_cut_off() {
-    let limits = Limits { head: Duration::from_millis(300), ..Limits::default() };
+    let limits = RequestLimits { head: Duration::from_millis(300), ..RequestLimits::default() };
     let stage = Stage::with(limits);
     let mut silent = stage.connect();
     let mut idle = stage.connect();

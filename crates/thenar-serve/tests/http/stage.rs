@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use thenar_serve::http::{Limits, Options, Port, Reach, Server};
-use thenar_serve::hub::{ClientId, Desk, Event, Note, pair};
+use thenar_serve::http::{Options, Port, Reach, RequestLimits, Server};
+use thenar_serve::hub::{ClientId, ClientNote, Desk, Event, pair};
 use tokio_tungstenite::tungstenite::client::{IntoClientRequest, client_with_config};
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::tungstenite::{Error, Message, WebSocket};
@@ -41,15 +41,15 @@ pub struct Shared {
 
 impl Stage {
     pub fn desk() -> Self {
-        Self::new(Reach::Desk, Limits::default(), 1000)
+        Self::new(Reach::Desk, RequestLimits::default(), 1000)
     }
 
-    pub fn with(limits: Limits) -> Self {
+    pub fn with(limits: RequestLimits) -> Self {
         Self::new(Reach::Desk, limits, 1000)
     }
 
     /// With a model of this many bytes.
-    pub fn new(reach: Reach, limits: Limits, model: usize) -> Self {
+    pub fn new(reach: Reach, limits: RequestLimits, model: usize) -> Self {
         let (hub, desk) = pair();
         let address = Some(IpAddr::from(Ipv4Addr::LOCALHOST));
         let options = Options { reach, address, port: Port::Exactly(0), limits };
@@ -183,7 +183,7 @@ fn play(desk: &Desk, shared: &Shared, model: usize) {
         while let Some(event) = desk.next() {
             if let Event::Text(client, text) = &event {
                 let refusal = text.starts_with("no");
-                desk.note(Note { client: *client, text: format!("heard {text}"), refusal });
+                desk.note(ClientNote { client: *client, text: format!("heard {text}"), refusal });
             }
             shared.events.lock().unwrap().push(event);
         }

@@ -8,10 +8,10 @@ pub use state::HandState;
 use super::exchange::{FastEnds, Frame};
 use crate::turn::rotation_vector;
 use crate::{
-    DIGITS, Felt, HandReport, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, Touch,
+    DIGITS, Felt, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, TickReport, Touch,
     TrackerTiming, seconds_between,
 };
-use held::{Held, Newest};
+use held::{HeldSample, Newest};
 use thenar_core::model::{Digit, HandModel, Side};
 use thenar_core::world::Target;
 use thenar_core::{Pose, Vec3};
@@ -37,7 +37,7 @@ pub struct LoopHand {
     /// How stiff it is felt, and how stiff a turn of the palm is.
     felt: Option<Felt>,
     turn: Option<Felt>,
-    report: HandReport,
+    report: TickReport,
     last_ns: Option<u64>,
     beginnings: u64,
     /// Step of the frame that the hand is on.
@@ -45,7 +45,7 @@ pub struct LoopHand {
     /// Number of the tracker that moves the hand, and when its newest sample came \[ns\].
     tracker: Option<(usize, u64)>,
     /// The last sample that was believed.
-    held: Option<Held>,
+    held: Option<HeldSample>,
     newest: Newest,
     /// Time of the sample that the last tick took, if it took one \[ns\].
     fresh_ns: Option<u64>,
@@ -84,7 +84,7 @@ impl LoopHand {
             readings: [None; DIGITS],
             felt: None,
             turn: None,
-            report: HandReport::default(),
+            report: TickReport::default(),
             last_ns: None,
             beginnings,
             frame_step,
@@ -163,7 +163,7 @@ impl LoopHand {
         if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
             return false;
         }
-        self.held = Some(Held::new(pose, sample.time_ns, now_ns));
+        self.held = Some(HeldSample::new(pose, sample.time_ns, now_ns));
         self.fresh_ns = Some(sample.time_ns);
         if !self.live.is_setting_out() {
             self.tracked_ns = sample.time_ns;
@@ -173,7 +173,7 @@ impl LoopHand {
 
     /// True if no sample was believed for too long.
     fn is_unseen(&self, now_ns: u64) -> bool {
-        let seen_ns = self.held.as_ref().map_or(0, Held::seen_ns);
+        let seen_ns = self.held.as_ref().map_or(0, HeldSample::seen_ns);
         seconds_between(seen_ns, now_ns) > STALE
     }
 
@@ -385,7 +385,7 @@ impl LoopHand {
     }
 
     /// What the last tick did.
-    pub fn report(&self) -> &HandReport {
+    pub fn report(&self) -> &TickReport {
         &self.report
     }
 

@@ -8,9 +8,9 @@ use super::turning::felt_turn;
 use super::{Core, Shared};
 use crate::safety::LimitError;
 use crate::{
-    CouplingDesign, DIGITS, Felt, FeltBounds, FreeHand, HandOutput, HandSettings, HapticHand, Mode,
-    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Tie, Touch, series_drive,
-    series_stiffness,
+    CouplingDesign, DIGITS, EmptyAirHand, Felt, FeltBounds, HandOutput, HandSettings, HapticHand,
+    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Tie, Touch, TouchMode,
+    series_drive, series_stiffness,
 };
 use std::ops::Range;
 use std::sync::{Arc, PoisonError};
@@ -67,7 +67,7 @@ struct PortHand {
     responds: bool,
     retuned: u64,
     /// The hand in empty air, where frames have no response that tells of it.
-    free: Option<FreeHand>,
+    free: Option<EmptyAirHand>,
 }
 
 /// What whoever steps the simulation holds.
@@ -198,8 +198,9 @@ impl SimulationPort {
         let drives: Vec<_> = world.desc().drives[range.clone()].to_vec();
         let single = self.mode == LoopMode::SingleRate;
         let responds = self.responds(world);
-        let free =
-            (!single && !responds).then(|| FreeHand::of(world, bones.clone(), true)).transpose()?;
+        let free = (!single && !responds)
+            .then(|| EmptyAirHand::of(world, bones.clone(), true))
+            .transpose()?;
         let frame = Frame {
             bones: SlowToFast::new(&start, self.contacts_max()),
             made_ns: 0,
@@ -234,7 +235,7 @@ impl SimulationPort {
             Box::new(inner)
         } else {
             let settings = HandSettings {
-                mode: if responds { Mode::SharedConstraints } else { Mode::Multirate },
+                mode: if responds { TouchMode::SharedConstraints } else { TouchMode::Multirate },
                 ..HandSettings::default()
             };
             let (proxies, parts): (_, Vec<_>) =

@@ -1,7 +1,9 @@
 //! A hand that nothing holds, felt over a simulation that is slower than real time: the frame's
 //! bones are not yet where they come to rest.
 
-use crate::{CouplingDesign, HandSettings, HapticHand, Mode, Proxy, RigidState, SlowToFast, Touch};
+use crate::{
+    CouplingDesign, HandSettings, HapticHand, Proxy, RigidState, SlowToFast, Touch, TouchMode,
+};
 use thenar_core::math::{Mat3, Pose};
 use thenar_core::model::Drive;
 
@@ -17,7 +19,7 @@ fn farthest(proxy: Proxy) -> f64 {
     let drive = proxy.bone;
     let hand = Pose::identity();
     let mut bone = RigidState::at_rest(Pose::translation(1e-3, 0.0, 0.0));
-    let settings = HandSettings { mode: Mode::SharedConstraints, ..HandSettings::default() };
+    let settings = HandSettings { mode: TouchMode::SharedConstraints, ..HandSettings::default() };
     let mut touch = HapticHand::new(settings, vec![proxy], &[bone], 0).unwrap();
     let mut frame = SlowToFast::new(&[bone], 0);
     let mut next = frame.clone();

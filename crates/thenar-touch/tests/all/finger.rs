@@ -8,8 +8,8 @@ use thenar_core::shape::Shape;
 use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_touch::safety::{Guard, Limits, Signal, Status};
 use thenar_touch::{
-    CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, Pad, Proxy, RigidState, SlowToFast,
-    Touch,
+    CouplingDesign, FastToSlow, HandSettings, HapticHand, Pad, Proxy, RigidState, SlowToFast,
+    Touch, TouchMode,
 };
 
 const MS: u64 = 1_000_000;
@@ -102,7 +102,8 @@ fn hostile_states_and_frames_leave_finite_forces() {
     for start_seed in 1..=20u64 {
         let mut seed = start_seed;
         let start = [RigidState::at_rest(Pose::identity()); 2];
-        let mode = if start_seed % 2 == 0 { Mode::Multirate } else { Mode::SharedConstraints };
+        let mode =
+            if start_seed % 2 == 0 { TouchMode::Multirate } else { TouchMode::SharedConstraints };
         let settings = HandSettings { mode, ..HandSettings::default() };
         let mut hand = HapticHand::new(settings, proxies(), &start, 2).unwrap();
         let mut frame = SlowToFast::new(&start, 2);

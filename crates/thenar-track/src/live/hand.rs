@@ -4,7 +4,7 @@ use super::check::checked;
 use super::clock::Timing;
 use super::doubt::{Doubt, Verdict, Waiting};
 use super::follower::{Law, follow, follow_rotation};
-use super::memory::{CALIBRATION, Memory, Way};
+use super::memory::{CALIBRATION, Memory, PoseSource};
 use super::observer::{Observed, ObservedRotation};
 use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
@@ -121,9 +121,9 @@ impl LiveHand {
     /// What moves the hand.
     pub fn mover(&self) -> Mover {
         match self.memory.way {
-            Way::Script | Way::Returning => Mover::Script,
-            Way::Live if self.is_lost() => Mover::Lost,
-            Way::Live => Mover::Live,
+            PoseSource::Script | PoseSource::Returning => Mover::Script,
+            PoseSource::Live if self.is_lost() => Mover::Lost,
+            PoseSource::Live => Mover::Live,
         }
     }
 
@@ -140,7 +140,7 @@ impl LiveHand {
     /// True while poses have moved the hand for less than [`OPENING`] since it set out for another
     /// place: after they took over, came back or teleported.
     pub fn is_setting_out(&self) -> bool {
-        self.memory.way == Way::Live && self.memory.now - self.memory.set_out < OPENING
+        self.memory.way == PoseSource::Live && self.memory.now - self.memory.set_out < OPENING
     }
 
     /// How far finger `finger` (thumb 0) is closed, as the mean over its joints' ranges: 0 open, 1
@@ -173,7 +173,7 @@ impl LiveHand {
 
     /// True when the script's targets are wanted in the next step.
     pub fn wants_script(&self) -> bool {
-        self.memory.way != Way::Live
+        self.memory.way != PoseSource::Live
     }
 
     /// Takes a pose that the client took at `time` \[s\] by its own clock. It acts in the next
@@ -192,7 +192,7 @@ impl LiveHand {
             let cause = "its root bone must name the tracked joint `wrist`".into();
             return Err(LiveError::Unfit { hand: self.name.clone(), cause });
         }
-        let begins = self.memory.way != Way::Live;
+        let begins = self.memory.way != PoseSource::Live;
         if begins {
             self.take_over(targets);
         }
@@ -223,9 +223,9 @@ impl LiveHand {
 
     /// Hands the hand back to its script, which it reaches smoothly.
     pub fn follow_script(&mut self) {
-        if self.memory.way == Way::Live {
+        if self.memory.way == PoseSource::Live {
             (self.memory.way, self.memory.script_known, self.memory.set_out) =
-                (Way::Returning, false, self.memory.now);
+                (PoseSource::Returning, false, self.memory.now);
         }
     }
 
@@ -236,8 +236,8 @@ impl LiveHand {
         memory.stance.read(articulation, targets, None, poses, angles);
         self.memory.script_known = false;
         self.memory.set_out = self.memory.now;
-        if self.memory.way == Way::Returning {
-            self.memory.way = Way::Script;
+        if self.memory.way == PoseSource::Returning {
+            self.memory.way = PoseSource::Script;
         }
     }
 
@@ -245,8 +245,8 @@ impl LiveHand {
     /// or goes on to the tracked pose.
     pub fn return_from(&mut self, targets: &[Option<Target>]) {
         self.restart(targets);
-        if self.memory.way == Way::Script {
-            self.memory.way = Way::Returning;
+        if self.memory.way == PoseSource::Script {
+            self.memory.way = PoseSource::Returning;
         }
     }
 
@@ -254,7 +254,7 @@ impl LiveHand {
     /// [`Self::wants_script`]; they are replaced unless the script alone moves the hand.
     pub fn step(&mut self, h: f64, targets: &mut [Option<Target>]) {
         match self.memory.way {
-            Way::Script => {
+            PoseSource::Script => {
                 let Self { articulation, memory, poses, angles, .. } = self;
                 let before = memory.script_known.then_some(h);
                 memory.stance.read(articulation, targets, before, poses, angles);
@@ -262,18 +262,18 @@ impl LiveHand {
                 self.memory.now += h;
                 return;
             }
-            Way::Returning => {
+            PoseSource::Returning => {
                 let Self { articulation, memory, poses, angles, .. } = self;
                 let before = memory.script_known.then_some(h);
                 memory.script.read(articulation, targets, before, poses, angles);
                 self.memory.script_known = true;
             }
-            Way::Live => self.aim(h),
+            PoseSource::Live => self.aim(h),
         }
         self.memory.now += h;
         self.follow(h);
-        if self.memory.way == Way::Returning && self.has_arrived() {
-            self.memory.way = Way::Script;
+        if self.memory.way == PoseSource::Returning && self.has_arrived() {
+            self.memory.way = PoseSource::Script;
             self.memory.stance.copy_from(&self.memory.script);
             return;
         }
@@ -289,14 +289,14 @@ impl LiveHand {
 
     /// Poses move the hand from now on, from where its targets are.
     fn take_over(&mut self, targets: &[Option<Target>]) {
-        if self.memory.way == Way::Script {
+        if self.memory.way == PoseSource::Script {
             // The angles are those of the last step already; this keeps their rates.
             let Self { articulation, memory, poses, angles, .. } = self;
             if !memory.script_known {
                 memory.stance.read(articulation, targets, None, poses, angles);
             }
         }
-        self.memory.way = Way::Live;
+        self.memory.way = PoseSource::Live;
         self.memory.calibrated = 0;
         self.knuckles.forget();
     }
@@ -402,13 +402,13 @@ impl LiveHand {
     fn follow(&mut self, h: f64) {
         let opening = self.opening();
         let mut omega = OMEGA[0] + (self.omega - OMEGA[0]) * opening.powi(4);
-        if self.memory.way == Way::Returning {
+        if self.memory.way == PoseSource::Returning {
             // A script is to be met exactly: follow ever more tightly.
             let beyond = (self.memory.now - self.memory.set_out - OPENING).max(0.0);
             omega *= (beyond / 0.05).min(7.0).exp();
         }
         // Followed tightly, noise would be felt: no tighter than it is observed.
-        let tight = self.omega > OMEGA[1] && self.memory.way == Way::Live;
+        let tight = self.omega > OMEGA[1] && self.memory.way == PoseSource::Live;
         let law = |speed: f64, quiet: f64| {
             // The power 5/4 of how quiet it is: least where memory is longest.
             let part = if tight { (quiet * quiet.sqrt().sqrt()).max(NOISY) } else { 1.0 };
@@ -416,7 +416,7 @@ impl LiveHand {
         };
         let quiet = [self.memory.position.quiet(), self.memory.rotation.quiet()];
         // A script may squeeze joints against their ends.
-        let returns = self.memory.way == Way::Returning;
+        let returns = self.memory.way == PoseSource::Returning;
         let (stance, goal) = (&mut self.memory.stance, &self.memory.script);
         stance.position = follow(stance.position, goal.position, law(SPEED_MAX, quiet[0]), h);
         stance.rotation =

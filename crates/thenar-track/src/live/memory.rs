@@ -13,7 +13,7 @@ pub const CALIBRATION: usize = 90;
 
 /// What follows the hand's targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Way {
+pub enum PoseSource {
     /// The scene's script, as it is.
     Script,
     /// On the way back to the script.
@@ -30,7 +30,7 @@ pub struct Memory {
     /// Number of these that are known.
     pub calibrated: usize,
     /// What moves the hand.
-    pub way: Way,
+    pub way: PoseSource,
     /// The tracker said that it has lost the hand.
     pub lost: bool,
     /// Time stepped \[s\]; goes on when the scene starts over.
@@ -63,7 +63,7 @@ impl Memory {
         Self {
             ratios: vec![1.0; CALIBRATION],
             calibrated: 0,
-            way: Way::Script,
+            way: PoseSource::Script,
             lost: false,
             now: 0.0,
             clock: Clock::default(),

@@ -47,7 +47,7 @@ struct Known {
 
 /// A time carried over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Carried {
+pub struct CarriedTime {
     /// On our clock \[ns\]; never later than now.
     pub time_ns: u64,
     /// The device's clock has jumped just now.
@@ -63,7 +63,7 @@ impl SourceClock {
     }
 
     /// What the device calls `source_ns`, arriving now.
-    pub fn carry(&mut self, now_ns: u64, source_ns: i64) -> Carried {
+    pub fn carry(&mut self, now_ns: u64, source_ns: i64) -> CarriedTime {
         let source = source_ns.clamp(-CLOCK_MAX, CLOCK_MAX);
         let now = i64::try_from(now_ns).unwrap_or(CLOCK_MAX).min(CLOCK_MAX);
         let difference = now - source;
@@ -74,13 +74,13 @@ impl SourceClock {
         };
         let Some(known) = &mut self.known else {
             self.known = fresh();
-            return Carried { time_ns: now_ns, jumped: false, stands_still: false };
+            return CarriedTime { time_ns: now_ns, jumped: false, stands_still: false };
         };
         // The same again, such as the other hand's, says nothing about the clock.
         if source == known.last.0 {
             let time = source.saturating_add(known.offsets.at(now_ns)).clamp(0, now) as u64;
             let stands_still = now_ns.saturating_sub(known.last.1) > STILL_FOR;
-            return Carried { time_ns: time, jumped: false, stands_still };
+            return CarriedTime { time_ns: time, jumped: false, stands_still };
         }
         let expected = known.offsets.at(now_ns);
         let late = difference.saturating_sub(expected) > LATE;
@@ -90,12 +90,12 @@ impl SourceClock {
         let stays_late = late_since.is_some_and(|since| now_ns.saturating_sub(since) > LATE_FOR);
         if back || ahead || stays_late {
             self.known = fresh();
-            return Carried { time_ns: now_ns, jumped: true, stands_still: false };
+            return CarriedTime { time_ns: now_ns, jumped: true, stands_still: false };
         }
         let offset = known.offsets.take(now_ns, difference, late);
         known.newest = known.newest.max(source);
         (known.last, known.late_since) = (last, late_since);
         let time = source.saturating_add(offset).clamp(0, now);
-        Carried { time_ns: time as u64, jumped: false, stands_still: false }
+        CarriedTime { time_ns: time as u64, jumped: false, stands_still: false }
     }
 }

@@ -4,7 +4,7 @@ use crate::placements::{Kind, Placement};
 use crate::{Engine, MARGIN, Touch};
 use std::cell::RefCell;
 use std::rc::Rc;
-use thenar_core::kernels::{Detector, Reach, RigidPlace, Sides, SurfaceState};
+use thenar_core::kernels::{Detector, Reach, RigidPlace, SeenSides, SurfaceState};
 use thenar_core::model::{Motion, RigidDesc, WorldDesc};
 use thenar_core::{Mat3, Pose, Vec3};
 
@@ -39,7 +39,7 @@ impl Ours {
         let room = |_| Vec::with_capacity(detector.capacity());
         let found = Rc::new(RefCell::new(placements.iter().map(room).collect::<Vec<_>>()));
         let filled = Rc::clone(&found);
-        let [before, mut now] = [(); 2].map(|()| Sides::with_capacity(0));
+        let [before, mut now] = [(); 2].map(|()| SeenSides::with_capacity(0));
         let search = move |moved: usize| {
             let reach = Reach { h: 0.0, margin: MARGIN };
             for (places, found) in places.iter().zip(filled.borrow_mut().iter_mut()) {

@@ -4,7 +4,7 @@ use super::haptic;
 use super::memory::resident_mb;
 use super::samples::{Samples, Stopwatch};
 use super::works::{
-    LASTS, SOLVERS, Wanted, default_free, default_holds, free, land, press, press_with,
+    LASTS, SOLVERS, SessionSpec, default_free, default_holds, free, land, press, press_with,
 };
 use serde_json::{Value, json};
 use std::io::Write;
@@ -71,7 +71,7 @@ impl Doing {
     }
 
     /// A session of each of these, pressed as hard where they press.
-    fn sessions(self, wanted: &[Wanted; 2]) -> Result<[Session; 2], String> {
+    fn sessions(self, wanted: &[SessionSpec; 2]) -> Result<[Session; 2], String> {
         let [exact, two_step] = wanted;
         Ok(match self {
             Self::Free => [free(exact)?, free(two_step)?],
@@ -315,8 +315,11 @@ pub fn run(args: &Args) -> Result<(), String> {
 
 /// Times of one piece of work by both solvers in turns, and the number of the hand's tetrahedra.
 fn measure(work: &Work, steps: usize) -> Result<(usize, [Times; 2]), String> {
-    let wanted =
-        SOLVERS.map(|(_, solver)| Wanted { tets: work.tets, time_step: work.time_step, solver });
+    let wanted = SOLVERS.map(|(_, solver)| SessionSpec {
+        tets: work.tets,
+        time_step: work.time_step,
+        solver,
+    });
     let mut sessions = work.doing.sessions(&wanted)?;
     let mut times = [Times::new(steps), Times::new(steps)];
     let mut done = 0;
@@ -334,7 +337,7 @@ fn measure(work: &Work, steps: usize) -> Result<(usize, [Times; 2]), String> {
 
 /// Resident memory with one session of the paper's sizes \[MB\].
 fn paper_size_memory() -> Result<Option<f64>, String> {
-    let wanted = Wanted { tets: 600, time_step: 1e-3, solver: SOLVERS[0].1 };
+    let wanted = SessionSpec { tets: 600, time_step: 1e-3, solver: SOLVERS[0].1 };
     let session = free(&wanted)?;
     let held = resident_mb();
     drop(session);
@@ -344,7 +347,7 @@ fn paper_size_memory() -> Result<Option<f64>, String> {
 /// Steps per second of two independent sessions on two threads, over those of one alone: of each the best of
 /// [`TURNS`] turns, as other jobs take what they can get.
 fn two_cores(steps: usize) -> Result<f64, String> {
-    let wanted = Wanted { tets: 600, time_step: 1e-3, solver: SOLVERS[0].1 };
+    let wanted = SessionSpec { tets: 600, time_step: 1e-3, solver: SOLVERS[0].1 };
     let mut sessions = [free(&wanted)?, free(&wanted)?];
     let run = |session: &mut Session| {
         let begun = Instant::now();

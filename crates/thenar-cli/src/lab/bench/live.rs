@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use thenar_scene::session::{Session, builtin};
-use thenar_serve::http::{self, Limits, Port, Reach, Server};
+use thenar_serve::http::{self, Port, Reach, RequestLimits, Server};
 use thenar_serve::hub::{ClientId, Event, Hub};
 use thenar_serve::live::{Live, Options, SceneSource};
 use thenar_serve::protocol::{Pace, Snapshots, kind, model};
@@ -103,14 +103,14 @@ fn latency(args: &Args) -> Result<(), String> {
 }
 
 /// A way to the simulation.
-trait Way {
+trait PosePath {
     fn send(&mut self, pose: Vec<u8>) -> Result<(), String>;
     /// Number of the newest pose that acts, as soon as there is news.
     fn acting(&mut self) -> Result<u32, String>;
 }
 
 /// Times between sending poses and seeing them act \[ms\].
-fn waits(way: &mut dyn Way, poses: u32) -> Result<Samples, String> {
+fn waits(way: &mut dyn PosePath, poses: u32) -> Result<Samples, String> {
     let mut late = Samples::default();
     for number in 1..=poses {
         let sent = Instant::now();
@@ -145,7 +145,7 @@ impl InProcess {
     }
 }
 
-impl Way for InProcess {
+impl PosePath for InProcess {
     fn send(&mut self, pose: Vec<u8>) -> Result<(), String> {
         self.0.submit(Event::Binary(Self::ME, pose.into())).map_err(|e| e.to_string())
     }
@@ -175,7 +175,7 @@ impl Socket {
             reach: Reach::Desk,
             address: None,
             port: Port::Exactly(0),
-            limits: Limits::default(),
+            limits: RequestLimits::default(),
         };
         let server = Server::start(&options, hub).map_err(|e| e.to_string())?;
         let stream = TcpStream::connect(server.address()).map_err(|e| e.to_string())?;
@@ -186,7 +186,7 @@ impl Socket {
     }
 }
 
-impl Way for Socket {
+impl PosePath for Socket {
     fn send(&mut self, pose: Vec<u8>) -> Result<(), String> {
         self.socket.send(Message::binary(pose)).map_err(|e| e.to_string())
     }

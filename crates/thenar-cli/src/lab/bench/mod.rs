@@ -19,13 +19,13 @@ use std::process::ExitCode;
 #[command(args_conflicts_with_subcommands = true)]
 pub struct Args {
     #[command(subcommand)]
-    what: Option<What>,
+    what: Option<BenchCommand>,
     #[command(flatten)]
     goals: goals::Args,
 }
 
 #[derive(Debug, clap::Subcommand)]
-enum What {
+enum BenchCommand {
     /// Another build of the program beside this one, by turns, on a machine that may have other work.
     Against(against::Args),
     /// The paper's table beside ours, on its bread scene and model sizes.
@@ -44,12 +44,12 @@ enum What {
 pub fn run(args: &Args) -> ExitCode {
     let done = match &args.what {
         None => goals::run(&args.goals),
-        Some(What::Against(args)) => against::run(args),
-        Some(What::Paper(args)) => paper::run(args),
-        Some(What::Live(args)) => live::run(args),
-        Some(What::Scaling(args)) => scaling::run(args),
-        Some(What::Haptics) => haptic::run(),
-        Some(What::Roofline(args)) => roofline::run(args),
+        Some(BenchCommand::Against(args)) => against::run(args),
+        Some(BenchCommand::Paper(args)) => paper::run(args),
+        Some(BenchCommand::Live(args)) => live::run(args),
+        Some(BenchCommand::Scaling(args)) => scaling::run(args),
+        Some(BenchCommand::Haptics) => haptic::run(),
+        Some(BenchCommand::Roofline(args)) => roofline::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -19,7 +19,7 @@ pub struct Args {
 }
 
 /// The bread scene, run once through by one solver.
-struct Measured {
+struct SolverRun {
     session: Session,
     steps: u64,
     watch: Stopwatch,
@@ -31,7 +31,7 @@ struct Measured {
     fell_back: u64,
 }
 
-impl Measured {
+impl SolverRun {
     /// Runs it with a solver, as scenes name it.
     fn new(args: &Args, solver: &str) -> Result<Self, String> {
         let scene = builtin("bread-grasp").ok_or("the scene `bread-grasp` is missing")?;
@@ -73,7 +73,7 @@ impl Measured {
 
 /// Runs the bread scene once through with each solver and prints the table.
 pub fn run(args: &Args) -> Result<(), String> {
-    let mut runs = [Measured::new(args, "two-step")?, Measured::new(args, "exact")?];
+    let mut runs = [SolverRun::new(args, "two-step")?, SolverRun::new(args, "exact")?];
     sizes(args, &runs)?;
     println!();
     times(&mut runs);
@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     Ok(())
 }
 
-fn sizes(args: &Args, runs: &[Measured; 2]) -> Result<(), String> {
+fn sizes(args: &Args, runs: &[SolverRun; 2]) -> Result<(), String> {
     let hand = runs[0].session.hands().first().ok_or("the scene has no hand")?;
     let model = &hand.model;
     let (h, steps) = (args.time_step * 1e3, runs[0].steps);
@@ -118,7 +118,7 @@ fn sizes(args: &Args, runs: &[Measured; 2]) -> Result<(), String> {
     Ok(())
 }
 
-fn times(runs: &mut [Measured; 2]) {
+fn times(runs: &mut [SolverRun; 2]) {
     println!("{:<34} {:>12} {:^32} {:^32}", "", "paper", "two-step", "exact");
     print!("{:<34} {:>12}", "time of a step [ms]", "mean");
     println!("{}", format!(" {:>12} {:>9} {:>9}", "median", "p99", "max").repeat(2));

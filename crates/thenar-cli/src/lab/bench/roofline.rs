@@ -7,7 +7,7 @@
 
 use super::goals::Table;
 use super::machine::Peaks;
-use super::works::{SOLVERS, Wanted, free};
+use super::works::{SOLVERS, SessionSpec, free};
 use std::time::Instant;
 use thenar_core::Vec3;
 use thenar_core::world::{Stage, StageTimer};
@@ -45,7 +45,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     println!("{}", peaks.line());
     println!();
     for &tets in &args.tets {
-        let wanted = Wanted { tets, time_step: args.time_step, solver: SOLVERS[0].1 };
+        let wanted = SessionSpec { tets, time_step: args.time_step, solver: SOLVERS[0].1 };
         let counts = counts(&wanted, args.steps)?;
         let mut table = Table::new(
             args.markdown,
@@ -103,7 +103,7 @@ fn stages(session: &mut Session, steps: u32) -> (Vec<(f64, f64)>, [f64; 5]) {
     (by_iterations, least)
 }
 
-fn counts(wanted: &Wanted, steps: u32) -> Result<Vec<Count>, String> {
+fn counts(wanted: &SessionSpec, steps: u32) -> Result<Vec<Count>, String> {
     let mut session = free(wanted)?;
     let (usual, least) = stages(&mut session, steps);
     // The same steps solved more accurately, by which the factor is not yet worth its cost: the difference is iterations alone.

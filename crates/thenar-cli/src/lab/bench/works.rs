@@ -43,7 +43,7 @@ const SETTLE: u32 = 40;
 
 /// What a session is asked to be.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted {
+pub struct SessionSpec {
     /// Tetrahedra of the hand.
     pub tets: u32,
     /// Time step that is measured [s].
@@ -70,7 +70,7 @@ fn settle(session: &mut Session, time_step: f64) {
 }
 
 /// A hand that closes in free air.
-pub fn free(wanted: &Wanted) -> Result<Session, String> {
+pub fn free(wanted: &SessionSpec) -> Result<Session, String> {
     let mut session = open(
         "free-motion",
         &[
@@ -88,26 +88,26 @@ pub fn free(wanted: &Wanted) -> Result<Session, String> {
 }
 
 /// A hand that lies on a table and is pressed down.
-pub fn press(wanted: &Wanted, press: &Press) -> Result<Session, String> {
+pub fn press(wanted: &SessionSpec, press: &Press) -> Result<Session, String> {
     pressed_until(wanted, press, PRESSED)
 }
 
 /// A hand that comes down on a table, so that contacts come and move.
-pub fn land(wanted: &Wanted, press: &Press) -> Result<Session, String> {
+pub fn land(wanted: &SessionSpec, press: &Press) -> Result<Session, String> {
     pressed_until(wanted, press, LANDS)
 }
 
 /// The hand that comes with the program, in free air.
-pub fn default_free(wanted: &Wanted) -> Result<Session, String> {
+pub fn default_free(wanted: &SessionSpec) -> Result<Session, String> {
     default_hand("free-motion", wanted, MOVING)
 }
 
 /// The hand that comes with the program, with a loaf of bread in it.
-pub fn default_holds(wanted: &Wanted) -> Result<Session, String> {
+pub fn default_holds(wanted: &SessionSpec) -> Result<Session, String> {
     default_hand("bread-grasp", wanted, HOLDS)
 }
 
-fn default_hand(scene: &str, wanted: &Wanted, until: f64) -> Result<Session, String> {
+fn default_hand(scene: &str, wanted: &SessionSpec, until: f64) -> Result<Session, String> {
     let mut session = open(scene, &[format!("solver.kind={}", wanted.solver)])?;
     while session.world().time() < until {
         session.step(&mut ());
@@ -116,7 +116,7 @@ fn default_hand(scene: &str, wanted: &Wanted, until: f64) -> Result<Session, Str
     Ok(session)
 }
 
-fn pressed_until(wanted: &Wanted, press: &Press, until: f64) -> Result<Session, String> {
+fn pressed_until(wanted: &SessionSpec, press: &Press, until: f64) -> Result<Session, String> {
     let mut session = open(
         "table-press",
         &[
@@ -138,7 +138,7 @@ fn pressed_until(wanted: &Wanted, press: &Press, until: f64) -> Result<Session, 
 }
 
 /// The press at which the number of active contacts is nearest to `contacts`, with the session.
-pub fn press_with(wanted: &Wanted, contacts: u32) -> Result<(Press, Session), String> {
+pub fn press_with(wanted: &SessionSpec, contacts: u32) -> Result<(Press, Session), String> {
     let mut best: Option<(u32, Press, Session)> = None;
     for hard in PRESSES {
         let session = press(wanted, &hard)?;

@@ -1,7 +1,7 @@
 //! A comparison over time as a page of charts.
 
 use crate::chart::{Axis, Dash, Line, Panel, Reduced, page};
-use thenar_scene::compare::{Comparison, EXACT, Mode, SIDES, TWO_STEP};
+use thenar_scene::compare::{CompareMode, Comparison, EXACT, SIDES, TWO_STEP};
 use thenar_scene::session::PARTS;
 
 const MM: f64 = 1e3;
@@ -119,8 +119,8 @@ impl Charts {
             .filter(|panel| !panel.lines.is_empty())
             .collect();
         let what = match of.mode() {
-            Mode::Trajectories => "each on its own way",
-            Mode::SingleSteps => "single steps from the exact state",
+            CompareMode::Trajectories => "each on its own way",
+            CompareMode::SingleSteps => "single steps from the exact state",
         };
         let h = session.world().time_step() * 1e3;
         let title = session.scene().title.as_deref().unwrap_or_default().trim_end_matches('.');

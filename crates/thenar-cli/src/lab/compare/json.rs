@@ -3,7 +3,7 @@
 use super::names;
 use crate::run::{STAGES, StopWatch, times};
 use serde_json::{Map, Value, json};
-use thenar_scene::compare::{Cause, Comparison, EXACT, Mode, Peak, SideSummary, TWO_STEP};
+use thenar_scene::compare::{Cause, CompareMode, Comparison, EXACT, Peak, SideSummary, TWO_STEP};
 use thenar_scene::session::PARTS;
 
 /// The report.
@@ -42,7 +42,7 @@ pub fn report(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) -> Value {
     let side = |i: usize| side(&s.sides[i], &watches[i], of.mode());
     json!({
         "scene": session.name(),
-        "mode": match of.mode() { Mode::Trajectories => "trajectories", Mode::SingleSteps => "single-steps" },
+        "mode": match of.mode() { CompareMode::Trajectories => "trajectories", CompareMode::SingleSteps => "single-steps" },
         "scheme": names(paper)[TWO_STEP],
         "dt_s": session.world().time_step(),
         "steps": of.steps(),
@@ -60,7 +60,7 @@ pub fn report(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) -> Value {
     })
 }
 
-fn side(s: &SideSummary, watch: &StopWatch, mode: Mode) -> Value {
+fn side(s: &SideSummary, watch: &StopWatch, mode: CompareMode) -> Value {
     let diverged = s.diverged.map(|d| match d.cause {
         Cause::NotFinite => json!({ "time_s": d.time, "cause": "not finite" }),
         Cause::Energy { energy, bound } => {
@@ -68,7 +68,7 @@ fn side(s: &SideSummary, watch: &StopWatch, mode: Mode) -> Value {
         }
     });
     let mut stages = Map::new();
-    if mode == Mode::Trajectories {
+    if mode == CompareMode::Trajectories {
         for ((_, name), histogram) in STAGES.iter().zip(&watch.times.stages) {
             stages.insert((*name).into(), times(histogram));
         }

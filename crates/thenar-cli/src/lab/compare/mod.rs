@@ -13,7 +13,7 @@ use charts::Charts;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar_output::Output;
-use thenar_scene::compare::{CompareError, Comparison, Mode, SIDES, Scheme};
+use thenar_scene::compare::{CompareError, CompareMode, Comparison, SIDES, Scheme};
 use thenar_scene::session::{TableFormat, TableWriter};
 
 /// What makes a scene's silence mean the paper's hand.
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Some(s) => (s / sessions[0].world().time_step()).round().max(1.0) as u64,
         None => sessions[0].steps_wanted().max(1),
     };
-    let mode = if args.single_steps { Mode::SingleSteps } else { Mode::Trajectories };
+    let mode = if args.single_steps { CompareMode::SingleSteps } else { CompareMode::Trajectories };
     let scheme = if args.paper { Scheme::Paper } else { Scheme::AsSet };
     let mut comparison = Comparison::new(sessions, mode, scheme)?;
     interrupt::listen();

@@ -3,7 +3,7 @@
 use super::names;
 use crate::run::{STAGES, StopWatch};
 use thenar_core::histogram::Histogram;
-use thenar_scene::compare::{Comparison, EXACT, Mode, Object, Peak, SIDES, TWO_STEP};
+use thenar_scene::compare::{CompareMode, Comparison, EXACT, Object, Peak, SIDES, TWO_STEP};
 use thenar_scene::session::PARTS;
 
 const MM: f64 = 1e3;
@@ -33,7 +33,7 @@ pub fn summary(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) {
         world.desc().joints.len(),
     );
     let names = names(paper);
-    if of.mode() == Mode::SingleSteps {
+    if of.mode() == CompareMode::SingleSteps {
         println!("  every step from the exact state: differences are those of one step");
     }
     for (name, side) in names.iter().zip(&s.sides) {
@@ -102,7 +102,7 @@ pub fn summary(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) {
     each("energy at the start [mJ]", sides(|s| s.energy_start * 1e3));
     each("energy in the end [mJ]", sides(|s| s.energy_end * 1e3));
     each("energy, largest [mJ]", sides(|s| s.energy_max * 1e3));
-    if of.mode() == Mode::SingleSteps {
+    if of.mode() == CompareMode::SingleSteps {
         return;
     }
     println!("\n  {:14} {:>25} {:>25}", "median / p99 [us]", a, b);

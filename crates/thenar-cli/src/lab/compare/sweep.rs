@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::io::Write;
 use thenar_output::Output;
 use thenar_scene::compare::Scheme;
-use thenar_scene::compare::sweep::{Measured, Plan, Point, SCHEMES, SweepError, sweep};
+use thenar_scene::compare::sweep::{Plan, SCHEMES, SchemeResult, SweepError, SweepPoint, sweep};
 
 /// What a sweep goes over.
 #[derive(Debug, clap::Args)]
@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if !args.quiet {
         println!("{}", HEAD.trim_end());
     }
-    let tell = |point: &Point| {
+    let tell = |point: &SweepPoint| {
         if !args.quiet {
             rows(point).iter().for_each(|row| println!("{row}"));
         }
@@ -88,9 +88,9 @@ const HEAD: &str = "\
 |---|---|---|---|---|---|---|---|
 ";
 
-fn rows(point: &Point) -> Vec<String> {
+fn rows(point: &SweepPoint) -> Vec<String> {
     let um = |x: f64| super::print::digits(x * 1e6).trim().to_string();
-    let row = |((_, name), m): (&(Scheme, &str), &Measured)| {
+    let row = |((_, name), m): (&(Scheme, &str), &SchemeResult)| {
         let alone = match m.diverged {
             Some(d) => format!("**diverges** at {:.3} s", d.time),
             None => format!("stable, {} mm apart", super::print::digits(m.drift.max * 1e3).trim()),
@@ -111,8 +111,8 @@ fn rows(point: &Point) -> Vec<String> {
     SCHEMES.iter().zip(&point.schemes).map(row).collect()
 }
 
-fn as_json(point: &Point) -> Value {
-    let scheme = |((_, name), m): (&(Scheme, &str), &Measured)| {
+fn as_json(point: &SweepPoint) -> Value {
+    let scheme = |((_, name), m): (&(Scheme, &str), &SchemeResult)| {
         json!({
             "scheme": name,
             "position_mean_m": m.position.mean,
@@ -137,9 +137,9 @@ fn as_json(point: &Point) -> Value {
 
 /// Error of a step and joint gap over stiffness, a row of panels for each time step; a cross where
 /// the scheme diverges on its own.
-fn charts(name: &str, plan: &Plan, points: &[Point]) -> String {
+fn charts(name: &str, plan: &Plan, points: &[SweepPoint]) -> String {
     const COLOURS: [usize; 3] = [0, 2, 1];
-    type Value = fn(&Measured) -> f64;
+    type Value = fn(&SchemeResult) -> f64;
     let of: [(&str, Value); 2] = [
         ("bones after one step, largest error", |m| m.position.max),
         ("joint gap, largest", |m| m.joint_gap),
@@ -147,10 +147,10 @@ fn charts(name: &str, plan: &Plan, points: &[Point]) -> String {
     let mut panels = Vec::new();
     for &h in &plan.time_steps {
         for (what, value) in of {
-            let here: Vec<&Point> = points.iter().filter(|p| p.time_step == h).collect();
+            let here: Vec<&SweepPoint> = points.iter().filter(|p| p.time_step == h).collect();
             let line = |(k, (_, name)): (usize, &(Scheme, &str))| {
-                let place = |p: &&Point| (p.stiffness, value(&p.schemes[k]) * 1e6);
-                let diverges = |p: &&&Point| p.schemes[k].diverged.is_some();
+                let place = |p: &&SweepPoint| (p.stiffness, value(&p.schemes[k]) * 1e6);
+                let diverges = |p: &&&SweepPoint| p.schemes[k].diverged.is_some();
                 let mut line =
                     Line::new(*name, COLOURS[k], Dash::Solid, here.iter().map(place).collect());
                 line.crosses = here.iter().filter(diverges).map(place).collect();
@@ -159,7 +159,7 @@ fn charts(name: &str, plan: &Plan, points: &[Point]) -> String {
             };
             let mut lines: Vec<Line> = SCHEMES.iter().enumerate().map(line).collect();
             if what.starts_with("joint gap") {
-                let place = |p: &&Point| (p.stiffness, p.exact_joint_gap * 1e6);
+                let place = |p: &&SweepPoint| (p.stiffness, p.exact_joint_gap * 1e6);
                 lines.push(Line::new("exact", 6, Dash::Dashed, here.iter().map(place).collect()));
             }
             panels.push(Panel {

@@ -1,7 +1,7 @@
 //! The press that a fit runs again and again: a scripted body of a scene comes down on what is fitted, and the force
 //! on it along its way is read.
 
-use super::data::Measured;
+use super::data::PressData;
 use super::least_squares::Trial;
 use crate::building::unheard;
 use crate::error::CliError;
@@ -163,7 +163,7 @@ impl Bench {
     }
 
     /// The course of a press: `[time, depth]`, and when the data begin.
-    fn course(&self, data: &Measured, offset: f64) -> (Vec<[f64; 2]>, f64) {
+    fn course(&self, data: &PressData, offset: f64) -> (Vec<[f64; 2]>, f64) {
         let Some(times) = &data.time else {
             let end = data.depth.iter().copied().fold(0.0, f64::max) + SLACK;
             return (vec![[0.0, -SLACK], [(end + SLACK) / self.rate, end]], 0.0);
@@ -193,7 +193,7 @@ impl Bench {
     /// Ctrl-C was pressed.
     pub fn forces(
         &self,
-        data: &Measured,
+        data: &PressData,
         changes: &[String],
         offset: f64,
     ) -> Result<Trial, CliError> {

@@ -15,7 +15,7 @@ const TIME_MAX: f64 = 3600.0;
 
 /// What was measured.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct PressData {
     /// Depth from first touch \[m\].
     pub depth: Vec<f64>,
     /// Force \[N\].
@@ -54,7 +54,7 @@ struct Column {
 ///
 /// # Errors
 /// The file cannot be read; otherwise as [`parse`].
-pub fn read(file: &Path) -> Result<Measured, CliError> {
+pub fn read(file: &Path) -> Result<PressData, CliError> {
     let text = read_text(file, BYTES_MAX)
         .map_err(|e| CliError::Input(format!("{}: {e}", file.display())))?;
     parse(&text).map_err(|e| CliError::Input(format!("{}:{e}", file.display())))
@@ -65,7 +65,7 @@ pub fn read(file: &Path) -> Result<Measured, CliError> {
 ///
 /// # Errors
 /// `line: reason`.
-pub fn parse(text: &str) -> Result<Measured, String> {
+pub fn parse(text: &str) -> Result<PressData, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| {
         let line = line.trim();
@@ -84,7 +84,7 @@ pub fn parse(text: &str) -> Result<Measured, String> {
         find(of)?.ok_or_else(missing)
     };
     let (depth, force, time) = (needed(&DEPTH)?, needed(&FORCE)?, find(&TIME)?);
-    let mut out = Measured { time: time.as_ref().map(|_| Vec::new()), ..Measured::default() };
+    let mut out = PressData { time: time.as_ref().map(|_| Vec::new()), ..PressData::default() };
     for (line, text) in lines {
         let cells: Vec<&str> = text.split(between).map(unquoted).collect();
         if cells.len() != names.len() {
@@ -162,8 +162,11 @@ mod tests {
 
     #[test]
     fn units_order_and_separators_are_the_table_s_own() {
-        let want =
-            Measured { depth: vec![0.0, 1e-3], force: vec![0.01, 0.5], time: Some(vec![0.0, 0.2]) };
+        let want = PressData {
+            depth: vec![0.0, 1e-3],
+            force: vec![0.01, 0.5],
+            time: Some(vec![0.0, 0.2]),
+        };
         for text in [
             "depth [mm],force [N],time [s]\n0,0.01,0\n1,0.5,0.2\n",
             "# a finger\n\n\"Time [ms]\";\"Force [mN]\";note [1];\"Depth [um]\"\n0;10;x;0\n200;500;y;1000",

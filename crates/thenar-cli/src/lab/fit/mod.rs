@@ -13,9 +13,9 @@ use crate::interrupt;
 use crate::run::{Found, find};
 use assess::{Assessment, Parameter, assess};
 use bench::{Bench, Finger};
-use data::Measured;
+use data::PressData;
 use least_squares::{Minimum, Trial, Trouble, minimise};
-use report::{Told, digits};
+use report::{FitReport, digits};
 use std::io::Write;
 use std::path::PathBuf;
 use thenar_core::model::Digit;
@@ -108,7 +108,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
     let softs = &session.world().desc().softs;
     let tets: usize = softs.iter().map(|s| s.flesh.tets.len()).sum();
-    let told = Told {
+    let told = FitReport {
         unknowns: &unknowns,
         found: &fit.found,
         rows,
@@ -212,7 +212,7 @@ const WIDTH: f64 = 0.02;
 
 fn fit(
     bench: &Bench,
-    data: &Measured,
+    data: &PressData,
     unknowns: &[Unknown],
     span_max: f64,
     mut tell: impl FnMut(u32, &[f64], f64),

@@ -5,7 +5,7 @@ use super::unknowns::Unknown;
 use serde_json::{Value, json};
 
 /// What the report of a fit needs.
-pub struct Told<'a> {
+pub struct FitReport<'a> {
     /// What was fitted.
     pub unknowns: &'a [Unknown],
     /// What was found.
@@ -33,7 +33,7 @@ fn persistence(found: &Assessment) -> Option<String> {
     })
 }
 
-impl Told<'_> {
+impl FitReport<'_> {
     /// Lines for people.
     pub fn text(&self) -> String {
         let found = self.found;

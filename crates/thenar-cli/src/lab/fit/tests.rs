@@ -39,7 +39,7 @@ fn ball() -> Bench {
     bench_of(BALL).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn find(bench: &Bench, data: &Measured, names: &[&str]) -> Fit {
+fn find(bench: &Bench, data: &PressData, names: &[&str]) -> Fit {
     let session = bench.session().unwrap();
     let mut all: Vec<Unknown> = names.iter().map(|n| Unknown::read(n, &session).unwrap()).collect();
     all.push(Unknown::offset());
@@ -58,8 +58,8 @@ fn measured(
     changes: &[&str],
     deviation: f64,
     seed: u64,
-) -> Measured {
-    let mut data = Measured { force: vec![0.0; depth.len()], depth, time: None };
+) -> PressData {
+    let mut data = PressData { force: vec![0.0; depth.len()], depth, time: None };
     let changes: Vec<String> = changes.iter().map(|c| format!("soft.flesh.material.{c}")).collect();
     let Trial::Values(exact) = bench.forces(&data, &changes, 0.0).unwrap() else {
         panic!("no press")
@@ -114,7 +114,7 @@ fn memory_comes_back_from_a_press_that_is_held() {
     let bench = bench_of(&text).unwrap();
     let time: Vec<f64> = (0..50).map(|k| 0.02 * f64::from(k)).collect();
     let depth: Vec<f64> = time.iter().map(|t| (5e-3 * t).min(0.8e-3)).collect();
-    let mut data = Measured { force: vec![0.0; 50], depth, time: Some(time) };
+    let mut data = PressData { force: vec![0.0; 50], depth, time: Some(time) };
     let changes = ["young=50e3", "relaxation.0.0=0.5"].map(|c| format!("soft.flesh.material.{c}"));
     let Trial::Values(exact) = bench.forces(&data, &changes, 0.0).unwrap() else {
         panic!("no press")
@@ -151,7 +151,7 @@ fn a_finger_like_people_s_has_a_modulus_like_people_s() {
     let depth = depths(16, 2.4e-3);
     let b = 2f64.ln() / 1.75e-3;
     let force = depth.iter().map(|d| (b * d).exp_m1()).collect();
-    let done = find(&bench, &Measured { depth, force, time: None }, &["young"]);
+    let done = find(&bench, &PressData { depth, force, time: None }, &["young"]);
     let young = &done.found.estimates[0];
     assert!((100e3..500e3).contains(&young.value), "{young:?}");
 }

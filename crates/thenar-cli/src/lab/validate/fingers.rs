@@ -21,7 +21,7 @@ pub const KNUCKLE: SceneText = scene!("f06-knuckle");
 
 /// A hand that is tried: a name, and what sets it apart from the scene's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Hand {
+pub struct HandVariant {
     /// Name in the table.
     pub name: &'static str,
     /// Overrides of the scene.
@@ -29,10 +29,12 @@ pub struct Hand {
 }
 
 /// The scene's own: right, 190 mm.
-pub const OWN: Hand = Hand { name: "right, 190 mm", changes: &[] };
+pub const OWN: HandVariant = HandVariant { name: "right, 190 mm", changes: &[] };
 /// Another size, and the other side.
-pub const SMALL: Hand =
-    Hand { name: "left, 170 mm", changes: &["hand.hand.length=0.17", "hand.hand.model=left"] };
+pub const SMALL: HandVariant = HandVariant {
+    name: "left, 170 mm",
+    changes: &["hand.hand.length=0.17", "hand.hand.model=left"],
+};
 
 /// The cases.
 pub const CASES: &[Case] = &[

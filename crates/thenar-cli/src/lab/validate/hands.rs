@@ -4,7 +4,7 @@ mod body;
 mod motion;
 
 use super::case::{Case, CaseError, case};
-use super::fingers::{Hand, KNUCKLE, OWN, SMALL};
+use super::fingers::{HandVariant, KNUCKLE, OWN, SMALL};
 use super::run::{Run, Solver};
 
 /// The cases.
@@ -16,10 +16,10 @@ pub const CASES: &[Case] = &[
 ];
 
 /// The hands that are measured.
-const HANDS: [Hand; 2] = [OWN, SMALL];
+const HANDS: [HandVariant; 2] = [OWN, SMALL];
 
 /// A hand at rest.
-fn still(solver: Solver, hand: Hand) -> Result<Run, CaseError> {
+fn still(solver: Solver, hand: HandVariant) -> Result<Run, CaseError> {
     let changes: Vec<String> = hand.changes.iter().map(|c| (*c).to_string()).collect();
     solver.open(&KNUCKLE, &changes)
 }

@@ -3,10 +3,10 @@
 
 use crate::stage::{Folder, err, out};
 use std::path::Path;
-use thenar_record::{Kind, Recorder};
+use thenar_record::{FrameKind, Recorder};
 
 /// Copies a recording, with a frame of this kind and body before the tenth step.
-fn with_frame(from: &Path, to: &Path, kind: Kind, body: &[u8]) {
+fn with_frame(from: &Path, to: &Path, kind: FrameKind, body: &[u8]) {
     let _ = std::fs::remove_file(to);
     let (header, mut frames) = thenar_record::open(from).unwrap();
     let recorder = Recorder::create(to, &header).unwrap();
@@ -14,12 +14,12 @@ fn with_frame(from: &Path, to: &Path, kind: Kind, body: &[u8]) {
     let mut steps = 0;
     while let Some(frame) = frames.next().unwrap() {
         let own = frame.kind.unwrap();
-        steps += u32::from(own == Kind::Step);
-        if own == Kind::Step && steps == 10 {
+        steps += u32::from(own == FrameKind::Step);
+        if own == FrameKind::Step && steps == 10 {
             // Of the time of the frame before, as what entered after nine steps.
             tape.big_frame(kind, frame.time_ns - 2_000_000, |out| out.extend(body));
         }
-        if own != Kind::End {
+        if own != FrameKind::End {
             tape.big_frame(own, frame.time_ns, |out| out.extend(frame.body));
         }
     }
@@ -48,17 +48,17 @@ fn what_a_recording_lacks_by_its_own_word_fails_verification() {
     let [lost, script, let_go] = [2, 3, 8].map(|variant| vec![9, variant, 0xc8, 0x01]);
     let no_hand = "there is no hand 200: the scene has 0";
     for (kind, body, why) in [
-        (Kind::Gap, gap(0, 5, 0), "5 frames of the session were dropped, 0 of them inputs"),
-        (Kind::Gap, gap(0, 5, 5), "5 frames of the session were dropped, 5 of them inputs"),
+        (FrameKind::Gap, gap(0, 5, 0), "5 frames of the session were dropped, 0 of them inputs"),
+        (FrameKind::Gap, gap(0, 5, 5), "5 frames of the session were dropped, 5 of them inputs"),
         (
-            Kind::Gap,
+            FrameKind::Gap,
             gap(3, u64::MAX, 1),
             "18446744073709551615 frames of a channel were dropped, 1",
         ),
-        (Kind::Record, of_channel, "records that fit no channel as it was announced: 1"),
-        (Kind::Input, lost, no_hand),
-        (Kind::Input, script, no_hand),
-        (Kind::Input, let_go, no_hand),
+        (FrameKind::Record, of_channel, "records that fit no channel as it was announced: 1"),
+        (FrameKind::Input, lost, no_hand),
+        (FrameKind::Input, script, no_hand),
+        (FrameKind::Input, let_go, no_hand),
     ] {
         let file = folder.0.join("lacks.rec");
         with_frame(&folder.0.join("whole.rec"), &file, kind, &body);
@@ -72,7 +72,7 @@ fn what_a_recording_lacks_by_its_own_word_fails_verification() {
     }
     // A channel without records lacks nothing, and the copy itself is sound.
     let file = folder.0.join("same.rec");
-    with_frame(&folder.0.join("whole.rec"), &file, Kind::Channel, CHANNEL.as_bytes());
+    with_frame(&folder.0.join("whole.rec"), &file, FrameKind::Channel, CHANNEL.as_bytes());
     let verified = folder.thenar(&["replay", "same.rec", "--verify"]);
     assert!(verified.status.success(), "{}", err(&verified));
 }

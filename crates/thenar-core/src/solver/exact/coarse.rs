@@ -6,7 +6,7 @@
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
 use crate::solver::exact::condense::{Columns, Condensed};
-use crate::solver::exact::{Carried, Reduction, System};
+use crate::solver::exact::{CarriedNode, Reduction, System};
 use fearless_simd::{Level, dispatch, f64x8, prelude::*};
 use std::ops::Range;
 
@@ -44,7 +44,7 @@ impl Coarse {
     pub fn new(
         bodies: &Reduction,
         group_of_node: Vec<Option<u32>>,
-        carried: &[Carried],
+        carried: &[CarriedNode],
         pattern: &BlockMatrix,
     ) -> Self {
         let nodes = group_of_node.len();
@@ -59,7 +59,7 @@ impl Coarse {
         }
         let mut lists: Vec<Vec<u32>> = vec![Vec::new(); nodes];
         let mut second = Vec::with_capacity(carried.len());
-        for &Carried { node, bones, carriers, .. } in carried {
+        for &CarriedNode { node, bones, carriers, .. } in carried {
             let list = &mut lists[node as usize];
             let Some(group) = group_of_node[node as usize] else {
                 second.push(Vec::new());

@@ -5,7 +5,7 @@
 //! bones. Only i ≥ j is kept.
 
 use crate::solver::BlockMatrix;
-use crate::solver::exact::{Carried, Reduction, System};
+use crate::solver::exact::{CarriedNode, Reduction, System};
 use fearless_simd::{Simd, f64x8, prelude::*};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -54,7 +54,7 @@ impl Condensed {
     /// Plans the products. `row0` is the first block row of `pattern` that belongs to a node.
     pub fn new(
         bodies: &Reduction,
-        carried: &[Carried],
+        carried: &[CarriedNode],
         pattern: &BlockMatrix,
         row0: usize,
     ) -> Self {
@@ -277,7 +277,7 @@ impl Condensed {
 }
 
 /// A carried node's motion by that of its bone j, `[w I, turning]`, row by row.
-fn motion_of(carried: &Carried, j: usize) -> [Lane; 3] {
+fn motion_of(carried: &CarriedNode, j: usize) -> [Lane; 3] {
     let (w, turn) = (carried.weights[j], carried.turning.matrix(j));
     std::array::from_fn(|r| {
         let mut row = [0.0; 8];

@@ -16,7 +16,7 @@ const AT_REST: f64 = 100.0;
 
 /// How the step before ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Before {
+pub enum LastContact {
     /// Nothing touched.
     Free,
     /// All lay still that touched: its contacts may keep their impulses, and need no factor.
@@ -25,7 +25,7 @@ pub enum Before {
     Touched,
 }
 
-impl Before {
+impl LastContact {
     /// From the velocities that the step ended with. The law of the linearised cone is not looked at (`strays`).
     pub fn of(touched: bool, v: &[Vec3], bodies: usize, settings: &SolverSettings) -> Self {
         let rests = || pcg::largest_speed(v, bodies) <= AT_REST * settings.velocity_tolerance;
@@ -48,15 +48,15 @@ impl Exact {
         step: &StepSystem<'_>,
         joints: &[JointBlock],
         h: f64,
-        before: Before,
+        before: LastContact,
         accuracy: &Accuracy,
         v: &mut [Vec3],
     ) -> Result<Solved, Failure> {
         debug_assert_eq!(v.len(), step.A.rows(), "velocities, block rows");
         debug_assert!(h > 0.0 && h.is_finite(), "a time step of {h} s");
         debug_assert!(accuracy.velocity > 0.0, "an accuracy of {} m/s", accuracy.velocity);
-        let touches = before != Before::Free;
-        let looks = self.all_is_bound && before == Before::Rested;
+        let touches = before != LastContact::Free;
+        let looks = self.all_is_bound && before == LastContact::Rested;
         self.prepare(step, joints, (v, h), touches && !looks)?;
         let scale = self.start(step, touches, v);
         let mut solved = Solved::default();

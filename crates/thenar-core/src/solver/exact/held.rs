@@ -40,7 +40,7 @@ pub struct Bound {
 
 /// The bounds of all joints and how they are held.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct HeldBounds {
     /// All bounds of this step.
     pub bounds: Room<Bound>,
     freedoms: usize,
@@ -55,7 +55,7 @@ pub struct Held {
     values: Vec<f64>,
 }
 
-impl Held {
+impl HeldBounds {
     /// Room for `bounds` bounds.
     pub fn new(bounds: usize, freedoms: usize) -> Self {
         // Of the two bounds of an axis one is held at a time.

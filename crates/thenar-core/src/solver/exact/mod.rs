@@ -46,11 +46,11 @@ mod symbolic;
 pub(crate) mod vectors;
 mod wide_cholesky;
 
-pub use free_motion::Before;
+pub use free_motion::LastContact;
 pub use held::Bound;
 pub use publish::Answer;
 pub use reduction::Reduction;
-pub use relative::{Carried, Coordinates, System};
+pub use relative::{CarriedNode, Coordinates, System};
 
 use crate::math::Vec3;
 use crate::room::Room;
@@ -59,7 +59,7 @@ use coarse::Coarse;
 use delassus::Delassus;
 use direct::Direct;
 use factor::Factor;
-use held::Held;
+use held::HeldBounds;
 use jacobi::BlockJacobi;
 use pcg::Stop;
 use symbolic::Symbolic;
@@ -74,7 +74,7 @@ pub struct Plan<'a> {
     /// Rows of each joint.
     pub rows: &'a [usize],
     /// Carried nodes, with their springs, weights and levers still unset.
-    pub carried: &'a [Carried],
+    pub carried: &'a [CarriedNode],
     /// True when springs bind every node to bones.
     pub all_is_bound: bool,
     /// Deformable body of each node.
@@ -104,7 +104,7 @@ enum Ready {
 pub struct Exact {
     bodies: Reduction,
     /// Carried nodes; the world fills in springs and levers before each step.
-    pub carried: Vec<Carried>,
+    pub carried: Vec<CarriedNode>,
     springs: Vec<f64>,
     split: Vec<u32>,
     coarse: Coarse,
@@ -120,7 +120,7 @@ pub struct Exact {
     /// Number of iterations of the block diagonal that cost what the factor does.
     iterations_worth_a_factor: u32,
     x: Coordinates,
-    held: Held,
+    held: HeldBounds,
     delassus: Delassus,
     /// One column of the response that touch reads.
     pulled: Room<f64>,
@@ -204,7 +204,7 @@ impl Exact {
             kept: false,
             left: None,
             x: Coordinates::new(bodies.freedoms(), nodes),
-            held: Held::new(plan.bounds_max, bodies.freedoms()),
+            held: HeldBounds::new(plan.bounds_max, bodies.freedoms()),
             work: pcg::Workspace::new(bodies.freedoms(), count, nodes),
             carried: plan.carried.to_vec(),
             springs: vec![0.0; nodes],
@@ -320,7 +320,7 @@ impl Exact {
 fn system<'a>(
     step: &StepSystem<'a>,
     bodies: &'a Reduction,
-    carried: &'a [Carried],
+    carried: &'a [CarriedNode],
     springs: &'a [f64],
     split: &'a [u32],
 ) -> System<'a> {

@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 use crate::model::Cone;
-use crate::solver::exact::delassus::Next;
+use crate::solver::exact::delassus::NextPass;
 use crate::solver::exact::{Accuracy, Exact, StepSystem};
 use crate::solver::{ContactRows, Failure, Wish};
 
@@ -57,7 +57,7 @@ impl Exact {
             self.follow(step, contacts, accuracy, push)?;
             let (cone, tolerance) = (Cone::Circular, accuracy.velocity);
             let verdict = self.delassus.check(contacts, push, cone, tolerance, &self.direct);
-            if matches!(verdict.next, Next::Done | Next::Full) {
+            if matches!(verdict.next, NextPass::Done | NextPass::Full) {
                 break;
             }
         }

@@ -13,7 +13,7 @@ use fearless_simd::{Level, Simd, dispatch};
 
 /// A node that bones carry.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried {
+pub struct CarriedNode {
     /// Number of the node.
     pub node: u32,
     /// Bones and how many of them count.
@@ -33,7 +33,7 @@ pub struct Carried {
     pub stretch: Vec3,
 }
 
-impl Carried {
+impl CarriedNode {
     /// True when the node is held along some axis.
     pub fn is_held(&self) -> bool {
         self.held != [false; 3]
@@ -133,7 +133,7 @@ pub struct System<'a> {
     /// Z and z.
     pub bodies: &'a Reduction,
     /// Carried nodes.
-    pub carried: &'a [Carried],
+    pub carried: &'a [CarriedNode],
     /// Components given from outside, per block row of A.
     pub known: &'a [[bool; 3]],
     /// G: spring of each node to its target \[kg\].

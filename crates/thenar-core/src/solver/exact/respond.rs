@@ -3,7 +3,7 @@
 use crate::math::Vec3;
 use crate::model::Cone;
 use crate::solver::exact::decay::SAFETY;
-use crate::solver::exact::delassus::{Next, Swept, Verdict, within};
+use crate::solver::exact::delassus::{NextPass, Swept, Verdict, within};
 use crate::solver::exact::free_motion::WINDOW;
 use crate::solver::exact::{
     Accuracy, Coordinates, Exact, PRESSING_MAX, Ready, StepSystem, pcg, system,
@@ -228,12 +228,14 @@ impl Rounds {
         accuracy: &Accuracy,
     ) -> Result<bool, Failure> {
         match verdict.next {
-            Next::Done | Next::Correct if more && !settled && self.resumed < RESUMED_MAX => {
+            NextPass::Done | NextPass::Correct
+                if more && !settled && self.resumed < RESUMED_MAX =>
+            {
                 self.resumed += 1;
             }
-            Next::Correct if more && self.corrections + 1 < ROUNDS_MAX => self.corrections += 1,
-            Next::Joined if self.joins < JOINS_MAX => self.joins += 1,
-            Next::Full if !accuracy.best_effort => {
+            NextPass::Correct if more && self.corrections + 1 < ROUNDS_MAX => self.corrections += 1,
+            NextPass::Joined if self.joins < JOINS_MAX => self.joins += 1,
+            NextPass::Full if !accuracy.best_effort => {
                 return Err(Failure::TooManyContacts { most: PRESSING_MAX as u32 });
             }
             _ => return Ok(false),

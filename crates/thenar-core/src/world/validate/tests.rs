@@ -110,8 +110,10 @@ fn rotations_of_another_length_are_brought_to_one() {
         let mut floor = body("floor", Motion::Prescribed, 0.0, 0.0, Some(Shape::HalfSpace));
         floor.pose_BS = at(0.0);
         desc.add_rigid(floor);
-        let part =
-            contact::Part { shape: Shape::Cuboid { half: Vec3::repeat(0.01) }, pose_SP: at(0.0) };
+        let part = contact::PlacedShape {
+            shape: Shape::Cuboid { half: Vec3::repeat(0.01) },
+            pose_SP: at(0.0),
+        };
         let compound = Shape::Compound(std::sync::Arc::new(vec![part]));
         let mut cube = body("cube", Motion::Dynamic, 0.2, 0.01, Some(compound));
         (cube.pose_BS, cube.pose_WB) = (at(0.0), at(0.01));
@@ -146,7 +148,7 @@ fn rotations_of_another_length_are_brought_to_one() {
 
 #[test]
 fn a_world_at_rest_is_valid_by_every_solver_and_after_every_change() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep, SolverKind::Monolithic] {
+    for kind in [SolverKind::Exact, SolverKind::TwoStep, SolverKind::DenseReference] {
         for cone in [Cone::Circular, Cone::Linearised] {
             let mut world = resting(kind, cone);
             let case = format!("{kind:?}, {cone:?}");
@@ -397,7 +399,7 @@ fn led_bodies_and_held_nodes_are_where_they_were_put() {
     let mut world = World::new(desc).unwrap();
     let mut input = world.input();
     input.prescribed[FLOOR] = [Vec3::new(0.3, -0.2, 0.1), Vec3::new(2.0, 1.0, -3.0)];
-    let part = Part { h: world.time_step(), left: 0.0, reach: 0.0 };
+    let part = StepPart { h: world.time_step(), left: 0.0, reach: 0.0 };
     let done = StepReport::default();
     world.step(&input, &mut ());
     assert_eq!(world.validate_led(part, &input, &done), Ok(()));

@@ -219,7 +219,7 @@ fn all_solvers_push_out_alike() {
         }
         (world.rigid_pose(b), world.rigid_velocity(b))
     };
-    let (want, v) = run(SolverKind::Monolithic);
+    let (want, v) = run(SolverKind::DenseReference);
     for kind in [SolverKind::Exact, SolverKind::TwoStep] {
         let (pose, [linear, _]) = run(kind);
         let off = (pose.position - want.position).norm();

@@ -163,7 +163,7 @@ fn pressed_finger_agrees_with_the_monolithic_solver() {
         let _ = plane;
 
         let mut exact = world.clone();
-        exact.set_solver(SolverKind::Monolithic);
+        exact.set_solver(SolverKind::DenseReference);
         for _ in 0..30 {
             exact.step(&input, &mut ());
         }

@@ -6,7 +6,7 @@ use crate::common::body;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 use thenar_core::model::{Motion, WorldDesc};
-use thenar_core::shape::{DistanceGrid, MeshShape, Part, Shape};
+use thenar_core::shape::{DistanceGrid, MeshShape, PlacedShape, Shape};
 use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 
 /// The top of every support.
@@ -88,7 +88,7 @@ fn bodies() -> Vec<Lying> {
     let slant = f64::hypot(radius, tall);
     // Along its side the centroid, 3/4 of the height from the apex, is 3/4 h sin of half the angle high.
     let on_side = Quat::from_axis_angle(&Vec3::z_axis(), -(FRAC_PI_2 + (radius / tall).atan()));
-    let part = |shape, pose_SP| Part { shape, pose_SP };
+    let part = |shape, pose_SP| PlacedShape { shape, pose_SP };
     let table = vec![
         part(
             Shape::Cuboid { half: Vec3::new(0.02, 0.002, 0.012) },

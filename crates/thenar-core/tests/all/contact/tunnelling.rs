@@ -4,7 +4,7 @@
 use crate::common::{FLESH, bar, body};
 use std::sync::Arc;
 use thenar_core::model::{Motion, SoftDesc, WorldDesc};
-use thenar_core::shape::{Part, Shape};
+use thenar_core::shape::{PlacedShape, Shape};
 use thenar_core::{Pose, Quat, Vec3, World};
 
 fn plate(desc: &mut WorldDesc) {
@@ -16,11 +16,11 @@ fn plate(desc: &mut WorldDesc) {
 
 #[test]
 fn rigid_bodies_stay_on_their_side() {
-    let block = Part {
+    let block = PlacedShape {
         shape: Shape::Cuboid { half: Vec3::new(0.012, 0.006, 0.006) },
         pose_SP: Pose::identity(),
     };
-    let pin = Part {
+    let pin = PlacedShape {
         shape: Shape::Capsule { radius: 0.006, half_length: 0.008 },
         pose_SP: Pose::translation(0.010, 0.004, 0.0),
     };

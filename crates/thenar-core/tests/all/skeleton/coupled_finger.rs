@@ -100,7 +100,7 @@ fn two_steps_approach_the_monolithic_solution_as_the_step_shrinks() {
                 two_step.step(&input, &mut ());
             }
             let mut exact = two_step.clone();
-            exact.set_solver(SolverKind::Monolithic);
+            exact.set_solver(SolverKind::DenseReference);
             two_step.step(&input, &mut ());
             exact.step(&input, &mut ());
             let error = (two_step.rigid_pose(1).position - exact.rigid_pose(1).position).norm();
@@ -122,7 +122,7 @@ fn without_joints_two_steps_are_the_monolithic_solution() {
     desc.solver.cg_tolerance = 1e-13;
     let (mut a, input) = driven(desc, DRIVE);
     let mut b = a.clone();
-    b.set_solver(SolverKind::Monolithic);
+    b.set_solver(SolverKind::DenseReference);
     for _ in 0..20 {
         a.step(&input, &mut ());
         b.step(&input, &mut ());

@@ -4,7 +4,7 @@
 
 use crate::common::{body, finger, random};
 use thenar_core::model::{
-    AngleLimit, Axis, Drive, JointDesc, JointKind, Limits, Motion, SolverKind, WorldDesc,
+    AngleLimit, Axis, Drive, JointDesc, JointKind, JointLimits, Motion, SolverKind, WorldDesc,
 };
 use thenar_core::shape::Shape;
 use thenar_core::world::Target;
@@ -212,7 +212,7 @@ fn bounds_alone_agree_with_the_dense_reference() {
             let [torque, _] = world.joint_limit_torques(0);
             held[usize::from(torque > 0.0)] += u32::from(torque != 0.0);
             free += u32::from(torque == 0.0);
-            dense.set_solver(SolverKind::Monolithic);
+            dense.set_solver(SolverKind::DenseReference);
             dense.step(&input, &mut ());
             let pairs = world.state().v.iter().zip(&dense.state().v);
             let worst = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
@@ -257,7 +257,7 @@ fn limits_and_contact_agree_with_the_dense_reference() {
             if step % 13 != 12 {
                 continue;
             }
-            dense.set_solver(SolverKind::Monolithic);
+            dense.set_solver(SolverKind::DenseReference);
             dense.step(&input, &mut ());
             let pairs = world.state().v.iter().zip(&dense.state().v);
             // Rates of bones [rad/s] stand beside velocities [m/s] here; both are to be near.
@@ -274,7 +274,7 @@ fn limits_and_contact_agree_with_the_dense_reference() {
 #[test]
 fn springs_remain_where_they_are_asked_for() {
     for (kind, limits) in
-        [(SolverKind::Exact, Limits::Springs), (SolverKind::TwoStep, Limits::Rows)]
+        [(SolverKind::Exact, JointLimits::Springs), (SolverKind::TwoStep, JointLimits::Rows)]
     {
         let mut desc = rod(JointKind::Hinge, [limit(-0.3, 1.2); 2], 1e-3);
         desc.gravity = Vec3::zeros();
@@ -294,7 +294,7 @@ fn springs_remain_where_they_are_asked_for() {
 /// A range that lies across half a turn is a range all the same.
 #[test]
 fn a_range_may_pass_half_a_turn() {
-    for limits in [Limits::Rows, Limits::Springs] {
+    for limits in [JointLimits::Rows, JointLimits::Springs] {
         let mut desc = rod(JointKind::Hinge, [limit(2.5, 4.0); 2], 1e-3);
         desc.gravity = Vec3::zeros();
         desc.solver.limits = limits;

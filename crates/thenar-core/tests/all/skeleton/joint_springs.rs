@@ -4,7 +4,7 @@
 use crate::common::body;
 use std::f64::consts::TAU;
 use thenar_core::model::{
-    AngleLimit, Axis, Drive, JointDesc, JointKind, Limits, SolverKind, WorldDesc,
+    AngleLimit, Axis, Drive, JointDesc, JointKind, JointLimits, SolverKind, WorldDesc,
 };
 use thenar_core::world::Target;
 use thenar_core::{Pose, Quat, Vec3, World};
@@ -97,7 +97,7 @@ fn no_way_round_draws_on_a_spring() {
 /// Within a range a spring is wound up as its rest angle says, also from across half a turn.
 #[test]
 fn a_range_says_which_turn_is_meant() {
-    for limits in [Limits::Rows, Limits::Springs] {
+    for limits in [JointLimits::Rows, JointLimits::Springs] {
         // From 0.2 rad the shorter way to 3.5 rad leads through zero, out of the range.
         let limit = Some(AngleLimit { min: 0.0, max: 4.0 });
         let axis = Axis { limit, damping: 0.2, ..spring(3.5) };
@@ -124,7 +124,7 @@ fn a_limit_s_spring_is_damped() {
         let axis = Axis { limit, ..Axis::default() };
         let mut world = door(JointKind::Hinge, [axis, Axis::default()], [0.5, 0.0], h);
         let mut settings = world.desc().solver;
-        (settings.kind, settings.limits) = (kind, Limits::Springs);
+        (settings.kind, settings.limits) = (kind, JointLimits::Springs);
         world.set_solver_settings(settings).unwrap();
         world.set_rigid_state(0, world.rigid_pose(0), [Vec3::zeros(), Vec3::x()]);
         let input = world.input();

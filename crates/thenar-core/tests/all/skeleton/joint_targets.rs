@@ -6,7 +6,8 @@ use thenar_core::model::{Axis, JointDesc, JointKind, SolverKind, WorldDesc};
 use thenar_core::world::JointTarget;
 use thenar_core::{Pose, Quat, Vec3, World};
 
-const SOLVERS: [SolverKind; 3] = [SolverKind::Exact, SolverKind::TwoStep, SolverKind::Monolithic];
+const SOLVERS: [SolverKind; 3] =
+    [SolverKind::Exact, SolverKind::TwoStep, SolverKind::DenseReference];
 const STIFFNESS: f64 = 0.2;
 const DAMPING: f64 = 0.01;
 

@@ -124,7 +124,7 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
             if i % 24 != 10 {
                 continue;
             }
-            dense.set_solver(SolverKind::Monolithic);
+            dense.set_solver(SolverKind::DenseReference);
             dense.step(&input, &mut ());
             for s in 0..2 {
                 let pairs = world.node_velocities(s).iter().zip(dense.node_velocities(s));
@@ -163,7 +163,7 @@ fn contacts_at_rest_keep_their_impulses() {
             assert!((now - force).norm() < 1e-3 * force.norm(), "{case}: {force} N, then {now} N");
             force = now;
             if i % 10 == 0 {
-                dense.set_solver(SolverKind::Monolithic);
+                dense.set_solver(SolverKind::DenseReference);
                 dense.step(&input, &mut ());
                 let pairs = world.node_velocities(0).iter().zip(dense.node_velocities(0));
                 let worst = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);

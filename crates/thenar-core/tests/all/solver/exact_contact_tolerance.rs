@@ -159,7 +159,7 @@ fn error(before: &World, input: &Input, dense: &World, found: &World, tolerance:
     state.impulses.clone_from(&found.state().impulses);
     let mut reference = before.clone();
     assert!(reference.restore(&state));
-    reference.set_solver(SolverKind::Monolithic);
+    reference.set_solver(SolverKind::DenseReference);
     reference.step(input, &mut ());
     off.min(difference(found, &reference))
 }
@@ -185,7 +185,7 @@ fn along(desc: WorldDesc, mut look: impl FnMut(&World, &Input, &World)) {
         steer(&world, world.time(), &mut input);
         if looked_at.contains(&k) {
             let mut dense = world.clone();
-            dense.set_solver(SolverKind::Monolithic);
+            dense.set_solver(SolverKind::DenseReference);
             dense.step(&input, &mut ());
             look(&world, &input, &dense);
         }

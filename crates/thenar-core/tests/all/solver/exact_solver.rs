@@ -147,7 +147,7 @@ fn shifted(mut desc: WorldDesc, skinning: Skinning) -> WorldDesc {
 /// A world in motion: driven to a place beside its own, with joint and node forces on it.
 fn stirred(mut desc: WorldDesc) -> (World, Input) {
     desc.drives = vec![Some(DRIVE); desc.rigids.len()];
-    desc.solver.kind = SolverKind::Monolithic;
+    desc.solver.kind = SolverKind::DenseReference;
     let poses: Vec<Pose> = desc.rigids.iter().map(|r| r.pose_WB).collect();
     let mut world = World::new(desc).unwrap();
     let mut input = world.input();

@@ -66,7 +66,7 @@ fn a_ball_flies_on_while_a_block_fails_every_step() {
 /// Forces that move a grain by 1e12 m in a step, before and after which it is where it was.
 #[test]
 fn a_ball_flies_on_while_a_grain_gives_numbers_beyond_sense() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep, SolverKind::Monolithic] {
+    for kind in [SolverKind::Exact, SolverKind::TwoStep, SolverKind::DenseReference] {
         let mut desc = WorldDesc { time_step: H, ..WorldDesc::default() };
         desc.solver.kind = kind;
         let from = Vec3::new(1.0, 0.5, 0.2);

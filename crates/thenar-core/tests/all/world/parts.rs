@@ -64,7 +64,7 @@ fn depth(world: &World, lower: f64) -> f64 {
 /// step that did not see it coming.
 #[test]
 fn an_end_that_slaps_is_seen_coming() {
-    for kind in [SolverKind::Exact, SolverKind::Monolithic, SolverKind::TwoStep] {
+    for kind in [SolverKind::Exact, SolverKind::DenseReference, SolverKind::TwoStep] {
         let (mut deepest, mut divided) = ([0.0_f64; 3], [0; 3]);
         for (i, halvings) in [0, 1, 3].into_iter().enumerate() {
             for tenth in 0..10 {
@@ -99,7 +99,7 @@ fn the_shortest_part_looks_again() {
         let way = gap + places[1];
         assert!(SPEED * h + 1e-3 < way && way + 0.5e-3 < travel(h, gap), "no case");
     }
-    for kind in [SolverKind::Exact, SolverKind::Monolithic, SolverKind::TwoStep] {
+    for kind in [SolverKind::Exact, SolverKind::DenseReference, SolverKind::TwoStep] {
         let (mut world, input) = rod(places, 1, kind);
         let report = world.step(&input, &mut ());
         assert_eq!(report.parts, 2, "{kind:?}");

@@ -117,7 +117,7 @@ fn state_stays_and_new_parameters_are_those_of_a_world_built_with_them() {
 fn another_solver_goes_on_from_the_same_state() {
     let (mut world, input) = pressing();
     let mut dense = desc();
-    dense.solver.kind = SolverKind::Monolithic;
+    dense.solver.kind = SolverKind::DenseReference;
     world.retune(dense).unwrap();
     let before = world.rigid_pose(0).position;
     let report = world.step(&input, &mut ());

@@ -35,7 +35,7 @@ fn everything_that_is_simulated_opens_moves_and_is_felt() {
     });
 }
 
-fn opens_moves_and_is_felt(kind: &Kind) {
+fn opens_moves_and_is_felt(kind: &SimulatedDevice) {
     let name = kind.name;
     let place = match kind.place {
         Some(default) => {

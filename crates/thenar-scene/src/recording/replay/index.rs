@@ -4,13 +4,13 @@ use super::ReplayError;
 use super::pace::{LEAP_NS, is_ahead};
 use crate::text::plain;
 use std::path::Path;
-use thenar_record::{ChannelInfo, Kind, Place};
+use thenar_record::{ChannelInfo, FrameKind, FramePlace};
 
 /// A frame and its time \[ns\].
 #[derive(Clone, Debug)]
 pub(super) struct Mark {
     pub time_ns: u64,
-    pub place: Place,
+    pub place: FramePlace,
     /// Scenes up to it, itself included; they count from 1.
     pub scene: u32,
 }
@@ -34,13 +34,13 @@ impl Index {
         let mut index = Self::default();
         while let Some(frame) = frames.next()? {
             let (kind, time_ns) = (frame.kind, frame.time_ns);
-            if kind == Some(Kind::Channel)
+            if kind == Some(FrameKind::Channel)
                 && let Ok(info) = serde_json::from_slice(frame.body)
             {
                 index.channels.push((frames.offset(), info));
             }
             // Other frames may carry another clock.
-            if matches!(kind, Some(Kind::Scene | Kind::Input | Kind::Step)) {
+            if matches!(kind, Some(FrameKind::Scene | FrameKind::Input | FrameKind::Step)) {
                 let leaps = time_ns > index.end_ns + LEAP_NS;
                 if leaps && is_ahead(&mut frames, time_ns, None, header.simulated_time)? {
                     continue;
@@ -49,8 +49,8 @@ impl Index {
             }
             let mark = |scene| Mark { time_ns, place: frames.place(), scene };
             match kind {
-                Some(Kind::Scene) => index.scenes.push(mark(index.scenes.len() as u32 + 1)),
-                Some(Kind::Keyframe) => index.keyframes.push(mark(index.scenes.len() as u32)),
+                Some(FrameKind::Scene) => index.scenes.push(mark(index.scenes.len() as u32 + 1)),
+                Some(FrameKind::Keyframe) => index.keyframes.push(mark(index.scenes.len() as u32)),
                 _ => {}
             }
         }

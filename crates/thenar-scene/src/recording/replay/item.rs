@@ -3,7 +3,7 @@
 use super::{Replay, ReplayError};
 use crate::recording::content::{Keyframe, SceneStart, StepMark};
 use crate::recording::entry::Input;
-use thenar_record::{ChannelInfo, Frame, Gap, Kind, Record};
+use thenar_record::{ChannelInfo, Frame, FrameKind, Gap, Record};
 
 /// A frame, understood.
 #[derive(Debug)]
@@ -37,15 +37,17 @@ impl Item {
     pub(super) fn of(frame: &Frame) -> Option<Self> {
         let body = frame.body;
         match frame.kind {
-            Some(Kind::Scene) => SceneStart::read(body).map(|s| Self::Scene(Box::new(s))),
-            Some(Kind::Input) => postcard::from_bytes(body).ok().map(|i| Self::Input(Box::new(i))),
-            Some(Kind::Step) => StepMark::read(body).map(Self::Step),
-            Some(Kind::Keyframe) => Keyframe::read(body).map(|k| Self::Keyframe(Box::new(k))),
-            Some(Kind::Channel) => serde_json::from_slice(body).ok().map(Self::Channel),
-            Some(Kind::Record) => Record::read(body)
+            Some(FrameKind::Scene) => SceneStart::read(body).map(|s| Self::Scene(Box::new(s))),
+            Some(FrameKind::Input) => {
+                postcard::from_bytes(body).ok().map(|i| Self::Input(Box::new(i)))
+            }
+            Some(FrameKind::Step) => StepMark::read(body).map(Self::Step),
+            Some(FrameKind::Keyframe) => Keyframe::read(body).map(|k| Self::Keyframe(Box::new(k))),
+            Some(FrameKind::Channel) => serde_json::from_slice(body).ok().map(Self::Channel),
+            Some(FrameKind::Record) => Record::read(body)
                 .map(|record| Self::Record(record.channel, record.values().collect())),
-            Some(Kind::Gap) => Gap::read(body).map(Self::Gap),
-            Some(Kind::Header | Kind::End) | None => Some(Self::Other),
+            Some(FrameKind::Gap) => Gap::read(body).map(Self::Gap),
+            Some(FrameKind::Header | FrameKind::End) | None => Some(Self::Other),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::Replay;
 use super::trust::Trust;
 use crate::recording::content::Keyframe;
-use crate::recording::verdict::Moved;
+use crate::recording::verdict::ReplayDrift;
 use crate::session::Session;
 
 /// Puts a session where a keyframe has it; false when it does not fit.
@@ -60,7 +60,7 @@ impl Replay {
             return;
         }
         let state = session.world().state();
-        let moved = Moved::between(state, &keyframe.state);
+        let moved = ReplayDrift::between(state, &keyframe.state);
         if state.hash() == keyframe.state.hash() && keyframe.remembers_as(session) {
             return;
         }

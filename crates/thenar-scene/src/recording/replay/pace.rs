@@ -9,7 +9,7 @@ use super::item::Item;
 use super::trust::Trust;
 use super::{Replay, ReplayError};
 use std::io::{self, Read, Seek};
-use thenar_record::{Frame, Frames, Kind};
+use thenar_record::{Frame, FrameKind, Frames};
 
 /// More steps than this are not made without a mark: at 1 kHz a disk that stands still for a quarter
 /// of an hour.
@@ -85,8 +85,8 @@ impl Pace {
 /// Time and number of steps of a session's frame; the number is `None` where it begins anew.
 fn of_session(frame: &Frame) -> Option<(u64, Option<u64>)> {
     let number = match frame.kind? {
-        Kind::Scene => None,
-        Kind::Input | Kind::Step | Kind::Keyframe => Item::of(frame)?.number(),
+        FrameKind::Scene => None,
+        FrameKind::Input | FrameKind::Step | FrameKind::Keyframe => Item::of(frame)?.number(),
         _ => return None,
     };
     Some((frame.time_ns, number))
@@ -101,7 +101,7 @@ pub fn is_ahead<R: Read + Seek>(
 ) -> io::Result<bool> {
     let behind = frames.look_ahead(|frame| match frame.kind {
         // The end carries the time of the clock on the wall.
-        Some(Kind::End) if !simulated_time => Some((frame.time_ns, None)),
+        Some(FrameKind::End) if !simulated_time => Some((frame.time_ns, None)),
         _ => of_session(frame),
     })?;
     let Some((next_ns, next)) = behind else { return Ok(false) };

@@ -1,9 +1,9 @@
 //! The same bits: whatever enters, from wherever a replay begins.
 
 use super::stage::*;
-use thenar_core::kernels::Sides;
+use thenar_core::kernels::SeenSides;
 use thenar_core::{Pose, Vec3};
-use thenar_record::{Header, Kind, Recorder};
+use thenar_record::{FrameKind, Header, Recorder};
 use thenar_scene::recording::{Index, Replay};
 use thenar_scene::session::Session;
 use thenar_scene::tuning::SettingValue;
@@ -98,8 +98,15 @@ fn a_replay_gives_the_same_bits_from_any_keyframe_on() {
 }
 
 /// A state as keyframes had it before tissue remembered, field by field.
-type OldState =
-    (f64, Vec<Pose>, [Vec<Vec3>; 3], Vec<(u64, Vec3)>, Sides, Vec<[f64; 2]>, Vec<([u32; 3], f64)>);
+type OldState = (
+    f64,
+    Vec<Pose>,
+    [Vec<Vec3>; 3],
+    Vec<(u64, Vec3)>,
+    SeenSides,
+    Vec<[f64; 2]>,
+    Vec<([u32; 3], f64)>,
+);
 
 /// Programs before this one kept only the world's state in keyframes.
 #[test]
@@ -114,8 +121,8 @@ fn keyframes_without_memory_are_replayed_as_well() {
     while let Some(frame) = frames.next().unwrap() {
         let mut body = frame.body;
         match frame.kind.unwrap() {
-            Kind::End => continue,
-            Kind::Keyframe => {
+            FrameKind::End => continue,
+            FrameKind::Keyframe => {
                 let (_, rest) = postcard::take_from_bytes::<(u64, OldState)>(body).unwrap();
                 body = &body[..body.len() - rest.len()];
                 shortened += usize::from(!rest.is_empty());

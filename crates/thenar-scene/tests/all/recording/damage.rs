@@ -4,7 +4,7 @@ use super::stage::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
-use thenar_record::Kind;
+use thenar_record::FrameKind;
 use thenar_scene::recording::{Index, Replay, ReplayError};
 use thenar_scene::session::Session;
 use thenar_scene::tuning::SettingValue;
@@ -26,7 +26,7 @@ fn tracked_session(k: usize, session: &mut Session) {
 }
 
 /// Where the frames of a file lie, and the time of each as a number of steps.
-fn frames(file: &Path) -> Vec<(Option<Kind>, usize, Range<usize>)> {
+fn frames(file: &Path) -> Vec<(Option<FrameKind>, usize, Range<usize>)> {
     let (_, mut frames) = thenar_record::open(file).unwrap();
     let mut found = Vec::new();
     let mut at = frames.offset() as usize;
@@ -72,7 +72,7 @@ fn a_damaged_session_goes_on_with_the_same_bits() {
     });
     assert!(contacts > 100, "the hand presses the table: {contacts}");
     let (whole, frames) = (bytes(&file), frames(&file));
-    let of = |kind: Kind, time: usize| {
+    let of = |kind: FrameKind, time: usize| {
         let it = frames.iter().find(|frame| frame.0 == Some(kind) && frame.1 == time);
         it.map(|frame| frame.2.clone()).unwrap()
     };
@@ -80,7 +80,7 @@ fn a_damaged_session_goes_on_with_the_same_bits() {
     // Marks alone, here and there: all steps are made, those with their marks are told.
     let mut hurt = whole.clone();
     let marks = [3, 14, 15, 28, 41, 59];
-    marks.iter().for_each(|k| hurt[of(Kind::Step, *k).start + 20] ^= 0x40);
+    marks.iter().for_each(|k| hurt[of(FrameKind::Step, *k).start + 20] ^= 0x40);
     let (replay, steps) = replay_of(&folder, &hurt);
     assert_same(&steps, &recorded, "marks");
     assert_eq!(missing(&steps), marks);
@@ -91,7 +91,8 @@ fn a_damaged_session_goes_on_with_the_same_bits() {
     // A piece in the middle is overwritten: with poses and both settings, while the hand is led, when it
     // is let go of.
     for (from, to) in [(21, 26), (35, 38), (42, 46), (12, 33)] {
-        let (mut hurt, piece) = (whole.clone(), of(Kind::Step, from).end..of(Kind::Step, to).start);
+        let (mut hurt, piece) =
+            (whole.clone(), of(FrameKind::Step, from).end..of(FrameKind::Step, to).start);
         hurt[piece.clone()].fill(0x5a);
         let context = format!("{from} to {to}, {} bytes", piece.len());
         let (replay, steps) = replay_of(&folder, &hurt);
@@ -108,7 +109,7 @@ fn a_damaged_session_goes_on_with_the_same_bits() {
     }
 
     // Cut off within a keyframe and within a pose.
-    for (kind, time) in [(Kind::Keyframe, 20), (Kind::Input, 47)] {
+    for (kind, time) in [(FrameKind::Keyframe, 20), (FrameKind::Input, 47)] {
         let cut = of(kind, time).start + 30;
         let (replay, steps) = replay_of(&folder, &whole[..cut]);
         assert_same(&steps, &recorded, "cut");
@@ -124,7 +125,7 @@ fn damage_anywhere_costs_no_more_than_up_to_the_next_keyframe() {
     let (file, recorded) = folder.record(GLOVE, STEPS, tracked_session);
     let (whole, frames) = (bytes(&file), frames(&file));
     // Behind the frame of the scene, with which all would be gone.
-    let first = frames.iter().find(|frame| frame.0 == Some(Kind::Scene)).unwrap().2.end;
+    let first = frames.iter().find(|frame| frame.0 == Some(FrameKind::Scene)).unwrap().2.end;
     let (mut caught_up, mut lost) = (0, 0);
     for (k, at) in (first..whole.len()).step_by((whole.len() - first) / 40).enumerate() {
         let mut hurt = whole.clone();
@@ -156,8 +157,9 @@ fn a_scene_whose_beginning_is_lost_is_not_taken_for_the_one_before() {
     let heavy = BALL.replace("mass = 0.2", "mass = 0.4").replace("0.06", "0.2");
     let (file, recorded) = folder.record_all(&[(BALL, 5), (&heavy, 25)], |_, _| ());
     let frames = frames(&file);
-    let scene = frames.iter().rfind(|frame| frame.0 == Some(Kind::Scene)).unwrap();
-    let eighth = frames.iter().find(|frame| frame.0 == Some(Kind::Step) && frame.1 == 13).unwrap();
+    let scene = frames.iter().rfind(|frame| frame.0 == Some(FrameKind::Scene)).unwrap();
+    let eighth =
+        frames.iter().find(|frame| frame.0 == Some(FrameKind::Step) && frame.1 == 13).unwrap();
     let mut hurt = bytes(&file);
     hurt[scene.2.start..eighth.2.end].fill(0x5a);
     let (mut replay, steps) = replay_of(&folder, &hurt);

@@ -4,7 +4,9 @@
 
 use std::path::Path;
 use thenar_scene::compare::sweep::{Plan, SweepError, sweep};
-use thenar_scene::compare::{Cause, CompareError, Comparison, EXACT, Mode, Scheme, TWO_STEP};
+use thenar_scene::compare::{
+    Cause, CompareError, CompareMode, Comparison, EXACT, Scheme, TWO_STEP,
+};
 use thenar_scene::session::Session;
 
 const BODY: &str = r#"
@@ -40,7 +42,8 @@ fn run(comparison: &mut Comparison, steps: u64) {
 #[test]
 fn a_free_body_moves_alike_with_both() {
     let sessions = twice(|| text(BODY));
-    let mut comparison = Comparison::new(sessions, Mode::Trajectories, Scheme::AsSet).unwrap();
+    let mut comparison =
+        Comparison::new(sessions, CompareMode::Trajectories, Scheme::AsSet).unwrap();
     run(&mut comparison, 500);
     let stone = comparison.summary().objects[0];
     // Round-off of 0.5 s at 2 m/s and 10 rad/s.
@@ -54,7 +57,8 @@ fn a_free_body_moves_alike_with_both() {
 fn the_same_comparison_gives_the_same_bits() {
     let table = || {
         let sessions = twice(|| finger(1e7, 1e-3));
-        let mut comparison = Comparison::new(sessions, Mode::Trajectories, Scheme::Paper).unwrap();
+        let mut comparison =
+            Comparison::new(sessions, CompareMode::Trajectories, Scheme::Paper).unwrap();
         let mut rows: Vec<u64> = Vec::new();
         for _ in 0..50 {
             run(&mut comparison, 1);
@@ -71,7 +75,8 @@ fn a_scheme_that_diverges_is_reported_and_the_other_goes_on() {
     let sessions = twice(|| finger(1e9, 5e-3));
     let gamma = sessions[0].world().joint_over_correction(1);
     assert!(gamma > 4.0, "{gamma}: the paper's scheme must diverge here");
-    let mut comparison = Comparison::new(sessions, Mode::Trajectories, Scheme::Paper).unwrap();
+    let mut comparison =
+        Comparison::new(sessions, CompareMode::Trajectories, Scheme::Paper).unwrap();
     run(&mut comparison, 300);
     let [two_step, exact] = &comparison.summary().sides;
     let lost = two_step.diverged.expect("it diverges");
@@ -92,13 +97,15 @@ fn a_scheme_that_diverges_is_reported_and_the_other_goes_on() {
 #[test]
 fn single_steps_show_the_error_of_one_step() {
     let sessions = twice(|| finger(1e9, 5e-3));
-    let mut comparison = Comparison::new(sessions, Mode::SingleSteps, Scheme::Paper).unwrap();
+    let mut comparison =
+        Comparison::new(sessions, CompareMode::SingleSteps, Scheme::Paper).unwrap();
     run(&mut comparison, 100);
     let paper = comparison.summary().position.max;
     assert!(!comparison.has_diverged(TWO_STEP) && paper > 1e-7 && paper < 5e-3, "{paper}");
 
     let sessions = twice(|| finger(1e9, 5e-3));
-    let mut comparison = Comparison::new(sessions, Mode::SingleSteps, Scheme::Closed).unwrap();
+    let mut comparison =
+        Comparison::new(sessions, CompareMode::SingleSteps, Scheme::Closed).unwrap();
     run(&mut comparison, 100);
     let closed = comparison.summary().position.max;
     assert!(closed < 0.2 * paper, "{closed} {paper}");
@@ -121,7 +128,7 @@ fn a_sweep_finds_where_the_paper_diverges() {
 fn what_cannot_be_compared_is_refused() {
     let fixed = "version = 1\n[[rigid]]\nname = \"wall\"\nmotion = \"fixed\"\n\
                  shape = { kind = \"plane\" }\n";
-    let nothing = Comparison::new(twice(|| text(fixed)), Mode::Trajectories, Scheme::AsSet);
+    let nothing = Comparison::new(twice(|| text(fixed)), CompareMode::Trajectories, Scheme::AsSet);
     assert_eq!(nothing.err(), Some(CompareError::NothingMoves));
 
     let plan = Plan { stiffness: vec![1e6], time_steps: vec![1e-3], from: 0.0, seconds: 0.1 };

@@ -440,7 +440,7 @@ fn mean_pressure_times_area_is_the_load() {
 /// Every solver setting arrives in the world.
 #[test]
 fn solver_settings_arrive() {
-    use thenar_core::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
+    use thenar_core::model::{Cone, FleshInStep1, JointLimits, SolverKind, SolverSettings};
     let given = "[solver]
         kind = \"two-step\"
         cone = \"linearised\"
@@ -459,7 +459,7 @@ fn solver_settings_arrive() {
     let expected = SolverSettings {
         kind: SolverKind::TwoStep,
         cone: Cone::Linearised,
-        limits: Limits::Springs,
+        limits: JointLimits::Springs,
         velocity_tolerance: 1e-7,
         step1_flesh: FleshInStep1::Frozen,
         cg_tolerance: 1e-9,

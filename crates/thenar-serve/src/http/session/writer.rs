@@ -4,7 +4,7 @@ use super::{End, Outgoing, Remark};
 use crate::http::hall::Seat;
 use crate::http::rates::Refusals;
 use crate::http::site::Site;
-use crate::hub::{ClientId, Note};
+use crate::hub::{ClientId, ClientNote};
 use bytes::Bytes;
 use futures_util::SinkExt;
 use tokio::sync::broadcast::error::RecvError;
@@ -22,7 +22,7 @@ pub struct Writer<'a> {
     seat: &'a Seat,
     id: ClientId,
     outgoing: &'a mut Outgoing,
-    notes: broadcast::Receiver<Note>,
+    notes: broadcast::Receiver<ClientNote>,
     remarks: mpsc::Receiver<Remark>,
     status: watch::Receiver<String>,
     touch: watch::Receiver<String>,
@@ -45,7 +45,7 @@ impl<'a> Writer<'a> {
         seat: &'a Seat,
         id: ClientId,
         outgoing: &'a mut Outgoing,
-        notes: broadcast::Receiver<Note>,
+        notes: broadcast::Receiver<ClientNote>,
         remarks: mpsc::Receiver<Remark>,
         pongs: watch::Receiver<u32>,
     ) -> Self {

@@ -25,7 +25,7 @@ const FAR: [f64; 2] = [0.05, 0.5];
 
 /// The last sample that was believed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Held {
+pub struct HeldSample {
     pose: LivePose,
     /// When it was measured, and when it came; both go on with each time it is reported again \[ns\].
     time_ns: u64,
@@ -36,7 +36,7 @@ pub struct Held {
     doubted: bool,
 }
 
-impl Held {
+impl HeldSample {
     /// A sample measured at `time_ns` that came now.
     pub fn new(pose: &LivePose, time_ns: u64, now_ns: u64) -> Self {
         Self { pose: pose.clone(), time_ns, came_ns: now_ns, seen_ns: now_ns, doubted: false }
@@ -127,13 +127,13 @@ mod tests {
     /// numbers that are none are nowhere.
     #[test]
     fn far_is_what_a_teleport_is() {
-        let held = Held::new(&angles(0.0, 0.0, 0.3), 0, 0);
+        let held = HeldSample::new(&angles(0.0, 0.0, 0.3), 0, 0);
         assert!(!held.is_far(&angles(0.04, 0.4, 0.7)));
         for far in [angles(0.06, 0.0, 0.3), angles(0.0, 0.6, 0.3), angles(0.0, 0.0, 0.9)] {
             assert!(held.is_far(&far));
         }
         assert!(held.is_far(&angles(f64::NAN, 0.0, 0.3)) && held.is_far(&joints(|_| 0.0)));
-        let held = Held::new(&joints(|_| 0.0), 0, 0);
+        let held = HeldSample::new(&joints(|_| 0.0), 0, 0);
         assert!(!held.is_far(&joints(|_| 0.04)));
         assert!(held.is_far(&joints(|k| if k == 24 { 0.06 } else { 0.0 })));
     }
@@ -153,7 +153,7 @@ mod tests {
     /// and not at all after one that trips the guards.
     #[test]
     fn silence_is_filled_by_the_last_sample() {
-        let mut held = Held::new(&angles(0.0, 0.0, 0.0), 5 * MS, 10 * MS);
+        let mut held = HeldSample::new(&angles(0.0, 0.0, 0.0), 5 * MS, 10 * MS);
         assert!(held.again(94 * MS).is_none());
         assert!((held.again(95 * MS).unwrap().0 - 0.09).abs() < 1e-12);
         held.doubt(true);

@@ -1,9 +1,9 @@
 //! A hand in the loop, as it is kept for an incident and taken up again.
 
 use super::LoopHand;
-use super::held::{Held, Newest};
+use super::held::{HeldSample, Newest};
 use crate::haptic_loop::exchange::FastEnds;
-use crate::{DIGITS, Felt, HandReport, HapticHand, Pad};
+use crate::{DIGITS, Felt, HapticHand, Pad, TickReport};
 use serde::{Deserialize, Serialize};
 use thenar_core::Pose;
 use thenar_core::model::Side;
@@ -23,7 +23,7 @@ pub struct HandStateRef<'a> {
     last_ns: Option<u64>,
     beginnings: u64,
     tracker: Option<(usize, u64)>,
-    held: &'a Option<Held>,
+    held: &'a Option<HeldSample>,
     newest: Newest,
     tracked_ns: u64,
     palm_last: Option<Pose>,
@@ -44,7 +44,7 @@ pub struct HandState {
     last_ns: Option<u64>,
     beginnings: u64,
     tracker: Option<(usize, u64)>,
-    held: Option<Held>,
+    held: Option<HeldSample>,
     newest: Newest,
     tracked_ns: u64,
     palm_last: Option<Pose>,
@@ -86,7 +86,7 @@ impl LoopHand {
             readings: [None; DIGITS],
             felt: state.felt,
             turn: state.turn,
-            report: HandReport::default(),
+            report: TickReport::default(),
             last_ns: state.last_ns,
             beginnings: state.beginnings,
             frame_step: state.frame,

@@ -7,7 +7,7 @@ use crate::lab::validate::case::{CaseError, Check, Figure};
 use crate::lab::validate::run::Solver;
 use thenar_core::kernels::{JointFrames, axis_states, joint_block, spring_torque};
 use thenar_core::kinematics::Tree;
-use thenar_core::model::Limits;
+use thenar_core::model::JointLimits;
 use thenar_core::{Pose, Vec3, World};
 use thenar_scene::session::Random;
 
@@ -63,7 +63,7 @@ fn spring_torques(world: &World) -> Vec<f64> {
         for (k, axis) in axis_states(joint.kind, &frames(world, j)).iter().enumerate() {
             let Some(axis) = axis else { continue };
             let torque = axis.direction_W
-                * spring_torque(&joint.axes[k], joint, Limits::Springs, axis.angle).0;
+                * spring_torque(&joint.axes[k], joint, JointLimits::Springs, axis.angle).0;
             add(joint.child, torque);
             if let Some(parent) = joint.parent {
                 add(parent, -torque);

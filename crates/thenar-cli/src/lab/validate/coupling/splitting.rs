@@ -47,7 +47,7 @@ const SCHEMES: [Scheme; 3] = [
 
 const EXACT: Scheme = Scheme {
     name: "monolithic",
-    kind: SolverKind::Monolithic,
+    kind: SolverKind::DenseReference,
     flesh: FleshInStep1::Lumped,
     close_joints: false,
 };

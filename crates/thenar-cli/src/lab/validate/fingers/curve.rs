@@ -1,6 +1,6 @@
 //! Force and area over depth, as a plate comes up to a pad. Each curve is computed once in a run of the program.
 
-use super::{Hand, PRESS};
+use super::{HandVariant, PRESS};
 use crate::lab::press::Plate;
 use crate::lab::validate::case::CaseError;
 use crate::lab::validate::run::{Run, Solver};
@@ -63,7 +63,7 @@ pub fn line(x: &[f64], y: &[f64]) -> (f64, f64, f64) {
 /// Opens the press of an index pad with a course of the plate, `[time, depth]`.
 pub fn open(
     solver: Solver,
-    hand: Hand,
+    hand: HandVariant,
     angle_deg: f64,
     course: &[[f64; 2]],
     more: &[String],
@@ -84,11 +84,11 @@ pub fn force_and_area(run: &mut Run, plate: &Plate) -> Result<(f64, f64), CaseEr
     Ok((Vec3::new(x, y, z).dot(&plate.way), area))
 }
 
-type Key = (bool, Hand, u32);
+type Key = (bool, HandVariant, u32);
 type Found = Arc<OnceLock<Result<Arc<Curve>, CaseError>>>;
 
 /// The press of an index pad at an angle \[degrees\], computed when it is first asked for.
-pub fn pressed(solver: Solver, hand: Hand, angle_deg: u32) -> Result<Arc<Curve>, CaseError> {
+pub fn pressed(solver: Solver, hand: HandVariant, angle_deg: u32) -> Result<Arc<Curve>, CaseError> {
     static CURVES: Mutex<BTreeMap<Key, Found>> = Mutex::new(BTreeMap::new());
     let cell = {
         let mut curves = CURVES.lock().unwrap_or_else(PoisonError::into_inner);
@@ -97,7 +97,7 @@ pub fn pressed(solver: Solver, hand: Hand, angle_deg: u32) -> Result<Arc<Curve>,
     cell.get_or_init(|| press(solver, hand, f64::from(angle_deg)).map(Arc::new)).clone()
 }
 
-fn press(solver: Solver, hand: Hand, angle_deg: f64) -> Result<Curve, CaseError> {
+fn press(solver: Solver, hand: HandVariant, angle_deg: f64) -> Result<Curve, CaseError> {
     let end = (DEPTH_MAX + START) / RATE;
     let (mut run, plate) = open(solver, hand, angle_deg, &[[0.0, -START], [end, DEPTH_MAX]], &[])?;
     let near = near(&mut run, &plate);

@@ -1,13 +1,13 @@
 //! What the curves of an index pad say.
 
 use super::curve::{force_and_area, line, open};
-use super::{Hand, KNUCKLE, OWN, PRESS, SMALL, pressed};
+use super::{HandVariant, KNUCKLE, OWN, PRESS, SMALL, pressed};
 use crate::lab::validate::case::{Basis, CaseError, Check, Figure};
 use crate::lab::validate::run::Solver;
 use nalgebra::{DMatrix, DVector};
 
 /// The hands and angles \[degrees\] that are pressed.
-const PRESSES: [(Hand, u32); 4] = [(OWN, 30), (OWN, 45), (SMALL, 30), (SMALL, 45)];
+const PRESSES: [(HandVariant, u32); 4] = [(OWN, 30), (OWN, 45), (SMALL, 30), (SMALL, 45)];
 
 /// Why areas are too small, as far as is known.
 const SMALL_AREA: &str = "an element of 7 mm deforms the skin on it evenly and cannot flatten it: elastic flesh of 50 kPa touches with \

@@ -1,7 +1,7 @@
 //! Taps: what of the energy of a short press is lost.
 
 use super::curve::{force_and_area, open};
-use super::{Hand, OWN, SMALL};
+use super::{HandVariant, OWN, SMALL};
 use crate::lab::validate::case::{Basis, CaseError, Check, Figure};
 use crate::lab::validate::run::Solver;
 
@@ -12,7 +12,7 @@ const STEPS: u32 = 100;
 const KEYS: u32 = 50;
 
 /// The part of the work of a half-sine press of this time \[s\] that is lost.
-fn loss(solver: Solver, hand: Hand, time: f64) -> Result<f64, CaseError> {
+fn loss(solver: Solver, hand: HandVariant, time: f64) -> Result<f64, CaseError> {
     let depth = |t: f64| DEPTH * (std::f64::consts::PI * t / time).sin();
     let course: Vec<[f64; 2]> =
         (0..=KEYS).map(|k| time * f64::from(k) / f64::from(KEYS)).map(|t| [t, depth(t)]).collect();

@@ -42,7 +42,7 @@ use newton::Newton;
 use std::ops::Range;
 pub use sweeps::{Swept, within};
 use turns::Turns;
-use work::Work;
+use work::WorkBudget;
 
 /// W of the contacts that may press, and the iteration on it.
 #[derive(Clone, Debug)]
@@ -81,7 +81,7 @@ pub struct Delassus {
     swept: u32,
     spent: u32,
     /// What the step has cost, and may.
-    work: Work,
+    work: WorkBudget,
     /// Attempts of the step by Newton's method that failed, and all that went by convex problems.
     failed: u32,
     walked: u32,
@@ -121,7 +121,7 @@ impl Delassus {
             moved: 0.0,
             swept: 0,
             spent: 0,
-            work: Work::default(),
+            work: WorkBudget::default(),
             failed: 0,
             walked: 0,
         }
@@ -129,7 +129,7 @@ impl Delassus {
 
     /// Starts a step that may cost this many multiply-adds; no bound when `None`.
     pub fn allow(&mut self, work_max: Option<u64>) {
-        self.work = Work::within(work_max);
+        self.work = WorkBudget::within(work_max);
     }
 
     /// True when the step has cost what it may.
@@ -320,11 +320,11 @@ impl Delassus {
         }
         violation = violation.max(self.members.queue(contacts, &self.measured, tolerance / SAFETY));
         let next = if self.members.waiting() > 0 {
-            if self.join(contacts, direct) { Next::Joined } else { Next::Full }
+            if self.join(contacts, direct) { NextPass::Joined } else { NextPass::Full }
         } else if well {
-            Next::Done
+            NextPass::Done
         } else {
-            Next::Correct
+            NextPass::Correct
         };
         Verdict { next, violation }
     }
@@ -346,14 +346,14 @@ impl Delassus {
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
     /// What is to be done.
-    pub next: Next,
+    pub next: NextPass,
     /// Largest violation of the contact law \[m/s\].
     pub violation: f64,
 }
 
 /// What is to be done next about contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
+pub enum NextPass {
     /// Nothing is left to do.
     Done,
     /// Solve again with what W missed.

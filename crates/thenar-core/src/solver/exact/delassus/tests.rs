@@ -4,7 +4,7 @@ use super::*;
 use crate::math::Mat3;
 use crate::solver::exact::factor::Factor;
 use crate::solver::exact::symbolic::Symbolic;
-use crate::solver::exact::{Carried, Coordinates, Reduction};
+use crate::solver::exact::{CarriedNode, Coordinates, Reduction};
 use crate::solver::{Apart, BlockMatrix, Turning};
 use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
@@ -38,12 +38,12 @@ fn matrix(random: &mut Random, positions: &[Vec3]) -> BlockMatrix {
     A
 }
 
-fn carried(random: &mut Random, node: usize) -> Carried {
+fn carried(random: &mut Random, node: usize) -> CarriedNode {
     let weight = random.range(0.0, 1.0);
     let apart = Apart::Blended { axis: random.vec3(0.2), arm: random.vec3(0.1) };
     let levers = [random.vec3(0.1), random.vec3(0.1)];
     let turning = Turning { levers, apart: node.is_multiple_of(2).then_some(apart) };
-    Carried {
+    CarriedNode {
         node: node as u32,
         bones: [0, 1],
         carriers: 2,
@@ -76,7 +76,7 @@ fn compare_with_dense(nodes: usize) -> usize {
     let mut bodies = Reduction::new(&[true; BODIES], &[], &[], &[vec![0, 1]]);
     let v = vec![Vec3::zeros(); 2 * BODIES + NODES];
     assert!(bodies.refresh(&A, &[], &v, 1e-3));
-    let carried: Vec<Carried> = (0..CARRIED).map(|n| carried(&mut random, n)).collect();
+    let carried: Vec<CarriedNode> = (0..CARRIED).map(|n| carried(&mut random, n)).collect();
     let mut springs = vec![0.0; NODES];
     carried.iter().for_each(|c| springs[c.node as usize] = c.spring);
     let split: Vec<u32> = (0..A.rows())

@@ -3,18 +3,18 @@
 
 /// Multiply-adds done in a step, and how many it may do.
 #[derive(Clone, Copy, Debug)]
-pub struct Work {
+pub struct WorkBudget {
     done: u64,
     most: u64,
 }
 
-impl Default for Work {
+impl Default for WorkBudget {
     fn default() -> Self {
         Self { done: 0, most: u64::MAX }
     }
 }
 
-impl Work {
+impl WorkBudget {
     /// Nothing is done of so much, or of any amount.
     pub fn within(most: Option<u64>) -> Self {
         Self { done: 0, most: most.unwrap_or(u64::MAX) }
