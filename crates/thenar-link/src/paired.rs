@@ -59,7 +59,7 @@ pub struct Paired {
 /// Names of the two trackers.
 const NAMES: [&str; 2] = ["the glove", "the wrist's tracker"];
 
-/// What is known of one side.
+/// Newest samples of one hand by both trackers.
 #[derive(Default)]
 struct PairedSide {
     /// The tracked wrist, and when.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf, is_separator};
 /// Links that are followed, as Linux does.
 pub const LINKS_MAX: usize = 40;
 
-/// Where an output goes.
+/// Destination of an output.
 #[derive(Debug)]
 pub enum Destination {
     /// A plain file at the end of all links, and what is known of it where it is there.

@@ -7,7 +7,7 @@ use thenar_core::model::{EmbeddedSurface, HandModel};
 use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
 
-/// A hand in the world.
+/// A hand in a picture.
 pub struct HandActor<'a> {
     /// Model of the hand.
     pub model: &'a HandModel,

@@ -24,7 +24,7 @@ pub(crate) const HEAD_BYTES: usize = 8;
 /// Kind and time.
 pub(crate) const PAYLOAD_BYTES_MIN: usize = 9;
 
-/// What a frame holds. Readers skip kinds that they do not know.
+/// Content of a frame. Readers skip kinds that they do not know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum FrameKind {

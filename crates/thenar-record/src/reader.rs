@@ -56,7 +56,7 @@ impl fmt::Display for Damage {
     }
 }
 
-/// Where a frame begins, to come back to it.
+/// Begin of a frame in a file, to come back to it.
 #[derive(Clone, Debug)]
 pub struct FramePlace {
     at: u64,

@@ -64,7 +64,7 @@ const LATE: f64 = 0.75;
 /// again \[s\]: a step that could not be factored is made up for, and what the hand's flesh bears is never felt.
 const UNANSWERED: f64 = 0.05;
 
-/// What one tick did.
+/// Report of one tick of a hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TickReport {
     /// Length of the step \[s\]; zero when the clock did not advance.
@@ -90,7 +90,7 @@ struct Free {
     held: Vec<Option<Held>>,
 }
 
-/// A hand at the device's rate.
+/// A hand's proxies and couplings, moved at the device's rate.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct HapticHand {
     settings: HandSettings,

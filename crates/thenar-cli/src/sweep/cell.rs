@@ -1,6 +1,6 @@
 //! Values of keys as cells of a table.
 
-/// What a column of values holds.
+/// Kind of a column of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnKind {
     Truth,

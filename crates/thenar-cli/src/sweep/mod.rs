@@ -140,7 +140,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     conclude(args, &place)
 }
 
-/// Where a shard's files are.
+/// Files of a shard.
 #[derive(Debug)]
 pub struct ShardFiles {
     /// Records of cases that are whole, as long as the table is not.

@@ -13,7 +13,7 @@ pub(crate) struct Collector<'a> {
     known: KnownDepths<'a>,
 }
 
-/// How deep each body is known to be in others \[m\].
+/// Depths that bodies are known to have in others \[m\].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct KnownDepths<'a> {
     pub rigids: &'a [f64],

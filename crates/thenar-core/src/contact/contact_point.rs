@@ -80,7 +80,7 @@ pub struct SurfaceState<'a> {
     pub velocities: &'a [Vec3],
 }
 
-/// What a search came to.
+/// Report of a search for contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SearchReport {
     /// Contacts delivered.

@@ -19,7 +19,7 @@ const CLUSTERS_MAX: usize = 64;
 /// Clusters of fewer triangles tell little more than these: four leaves of the tree.
 const TRIANGLES_MIN: usize = 16;
 
-/// How bodies have moved since their contacts were found.
+/// Displacements of bodies since their contacts were found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Displacements<'a> {
     /// Where rigid bodies were.

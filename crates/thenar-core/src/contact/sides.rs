@@ -6,7 +6,7 @@ use crate::math::Vec3;
 use crate::room::Room;
 use std::ops::Range;
 
-/// What a surface vertex saw of a body it was near.
+/// Side of a body that a surface vertex near it last saw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SeenSide {

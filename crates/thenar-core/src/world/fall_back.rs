@@ -15,7 +15,7 @@ use crate::world::step::Step;
 use crate::world::two_step::TwoStep;
 use crate::world::{StageTimer, StepReport, advance};
 
-/// What is asked of the exact solver.
+/// Tolerance that is asked of the exact solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tolerance {
     /// A solution to tolerance, or none.

@@ -33,7 +33,7 @@ const CLOSED: f64 = 1e-9;
 /// steps are halved.
 const ROUNDS_MAX: u32 = 8;
 
-/// Memory for this.
+/// Motion of all bodies as if no joint held them, and memory to close the joints.
 #[derive(Clone, Debug)]
 pub struct UnjointedMotion {
     /// Rotation of each joint at the end of the step.

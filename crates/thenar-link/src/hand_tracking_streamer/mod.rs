@@ -51,7 +51,7 @@ struct Part<T> {
     heard_ns: u64,
 }
 
-/// What has come of one hand.
+/// Lines of one hand that have come.
 #[derive(Clone, Debug, Default)]
 struct StreamedHand {
     wrist: Option<Part<Pose>>,

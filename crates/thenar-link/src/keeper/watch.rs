@@ -14,7 +14,7 @@ pub const AGAIN_NS: u64 = 10_000_000;
 /// A program that is gone is outlived for so long \[ns\]; then the port is free for the next.
 pub const GONE_NS: u64 = 1_000_000_000;
 
-/// What a keeper does now.
+/// Actions of a keeper that are due now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeeperTurn {
     /// Send the releasing bytes.

@@ -29,7 +29,7 @@ const BENDING: [[[usize; 2]; 3]; DIGITS] = [
     [[21, 20], [22, 21], [23, 22]],
 ];
 
-/// What of a hand is compared.
+/// Part of a hand whose motion is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ComparedPart {
     /// How far the fingers are bent.
@@ -38,7 +38,7 @@ pub enum ComparedPart {
     Wrist,
 }
 
-/// A sample.
+/// Sample of a trace: where a hand was when it was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceSample {
     /// When it arrived \[s\].

@@ -26,7 +26,7 @@ pub struct HandParts {
     pub soft: Option<u32>,
 }
 
-/// A hand in the world.
+/// A hand of a scene, built: its model, where it is in the world, and what it follows.
 #[derive(Clone, Debug)]
 pub struct BuiltHand {
     /// Name in the scene.

@@ -113,7 +113,7 @@ pub struct Keyframe {
     pub kept: Option<KeyframeRest>,
 }
 
-/// What a keyframe keeps besides the world's state.
+/// Rest of a keyframe: all but the world's state.
 #[derive(Clone, Debug, Deserialize)]
 pub struct KeyframeRest {
     /// Hash of the state that its scene began with.

@@ -21,7 +21,7 @@ pub struct Input {
     pub what: InputKind,
 }
 
-/// What entered. Variants are numbered from 0 in the file; new ones come last.
+/// Content of an input. Variants are numbered from 0 in the file; new ones come last.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum InputKind {
     Joints { hand: u32, time: f64, joints: Vec<[f64; 7]>, radii: Vec<f64> },

@@ -26,7 +26,7 @@ pub struct HandBodies {
     pub soft: Option<usize>,
 }
 
-/// What a description's bodies are.
+/// Bodies of a description, by what they are in the scene.
 #[derive(Clone, Debug)]
 pub struct SceneBodies {
     /// Hands of the scene.

@@ -212,12 +212,7 @@ fn number(value: &SettingValue, then: impl FnOnce(f64)) {
 }
 
 /// The range of a setting, wide enough for the scene's own value.
-pub fn range_around(
-    known: &SettingDef,
-    own: &SettingValue,
-    desc: &WorldDesc,
-    parts: &SceneBodies,
-) -> Range {
+pub fn range_around(known: &SettingDef, own: &SettingValue, parts: &SceneBodies) -> Range {
     match (known.range, own) {
         (Some((min, max, scale)), Number(own)) => {
             Range::Number { min: min.min(*own), max: max.max(*own), scale }

@@ -136,7 +136,7 @@ impl Tuning {
             help: known.help,
             group: known.group,
             unit: known.unit,
-            range: list::range_around(known, &own, &self.base, &self.parts),
+            range: list::range_around(known, &own, &self.parts),
             value: self.set.get(known.key).cloned().unwrap_or_else(|| own.clone()),
             own,
         })

@@ -12,7 +12,7 @@ use thenar_scene::motion::{
     ANGLES, Anatomy, AngleRange, Articulation, Preset, Shapes, hand_angles,
 };
 
-/// A hand.
+/// A hand in the model message.
 #[derive(Debug, Serialize)]
 pub struct HandEntry {
     name: String,

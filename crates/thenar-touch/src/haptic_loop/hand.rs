@@ -24,7 +24,7 @@ const STEP_MAX: f64 = 0.02;
 /// A tracker that has been silent for so long gives way to another of the same hand \[ns\].
 const TRACKER_SILENCE_NS: u64 = 100_000_000;
 
-/// One hand.
+/// A hand in the haptic loop: observed, led and felt each tick.
 pub struct LoopHand {
     side: Side,
     live: LiveHand,

@@ -55,7 +55,7 @@ pub enum PortError {
     OneHand(usize),
 }
 
-/// One hand of the simulation.
+/// A hand of the simulation with what its port keeps for it.
 struct PortHand {
     /// Index in the simulation.
     index: usize,

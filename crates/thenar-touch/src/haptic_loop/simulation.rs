@@ -7,7 +7,7 @@ use thenar_core::model::HandModel;
 use thenar_core::world::{Input, State, Target};
 use thenar_track::live::{LiveError, LiveHand};
 
-/// One of its hands.
+/// A hand of a world that is stepped, as the loop sees it.
 pub struct SimulatedHand<'a> {
     /// The model it was made from.
     pub model: &'a HandModel,

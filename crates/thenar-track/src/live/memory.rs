@@ -11,7 +11,7 @@ use thenar_core::{Quat, Vec3};
 /// Poses that refine the calibration.
 pub const CALIBRATION: usize = 90;
 
-/// What follows the hand's targets.
+/// Source of a hand's targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PoseSource {
     /// The scene's script, as it is.

@@ -41,7 +41,7 @@ pub const LASTS: f64 = 0.5;
 /// Steps that a session is given to settle at the time step that is measured.
 const SETTLE: u32 = 40;
 
-/// What a session is asked to be.
+/// Session that a bench asks for.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionSpec {
     /// Tetrahedra of the hand.

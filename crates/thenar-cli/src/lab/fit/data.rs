@@ -13,7 +13,7 @@ const FORCE_MAX: f64 = 1000.0;
 /// The longest press \[s\].
 const TIME_MAX: f64 = 3600.0;
 
-/// What was measured.
+/// Depths and forces of a press, as they were measured.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PressData {
     /// Depth from first touch \[m\].

@@ -4,7 +4,7 @@ use super::assess::{Assessment, Scale};
 use super::unknowns::Unknown;
 use serde_json::{Value, json};
 
-/// What the report of a fit needs.
+/// Content of a fit's report.
 pub struct FitReport<'a> {
     /// What was fitted.
     pub unknowns: &'a [Unknown],
