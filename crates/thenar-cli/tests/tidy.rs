@@ -2,6 +2,8 @@
 
 #[path = "tidy/commits.rs"]
 mod commits;
+#[path = "tidy/glossary.rs"]
+mod glossary;
 
 use std::path::{Path, PathBuf};
 

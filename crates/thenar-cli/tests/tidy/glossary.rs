@@ -1,11 +1,8 @@
 //! Goal: the glossary of ARCHITECTURE.md is that of the code. Method: read both.
 
+use crate::root;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
 
 /// Rows of the table under this heading, without its head: cells of each.
 fn table(heading: &str) -> Vec<Vec<String>> {
