@@ -7,8 +7,8 @@ use crate::error::CliError;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Version of `sweep.json`, of the records and of the results.
-const SWEEP_VERSION: u32 = 1;
+/// Version of `sweep.json`, of the records and of the results. 2: how long tetrahedra were inside out.
+const SWEEP_VERSION: u32 = 2;
 /// Largest manifest \[bytes\]: a table of cases of its largest size is in it.
 const BYTES_MAX: u64 = 1 << 30;
 

@@ -20,8 +20,8 @@ pub(super) struct Edge {
     pub normals: [Vec3; 2],
 }
 
-/// Where edges A and B cross: the nearest points of their lines as they are now, the normal from B to A, and after which
-/// part of the step they do.
+/// Where edges A and B cross: after which part of the step, the points of both that are nearest to each other then, as they
+/// are now, and the normal from B to A then.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossed {
     pub when: f64,
@@ -80,13 +80,14 @@ impl Edge {
             return None;
         }
         let n = normal / square.sqrt();
-        let n = n * 1.0_f64.copysign(n.dot(&(b.normals[0] + b.normals[1])));
+        let out = b.normals[0] + b.normals[1] - self.normals[0] - self.normals[1];
+        let n = n * 1.0_f64.copysign(n.dot(&out));
         (b.looks(&n, lean) && self.looks(&-n, lean)).then_some((s, t, n))
     }
 
-    /// True when a normal lies between those of the faces beside the edge, or no farther out than `lean` (sine). By what
-    /// stands on a face may lean, the other edge is nearest to the face, by a thousandth less than to this edge: of two
-    /// plates laid across each other all four crossings count before they are level, not the lowest alone.
+    /// True when a normal lies between those of the faces beside the edge, or no farther out than `lean` (sine). Where it
+    /// leans by [`STANDING`] the other edge is nearest to the face, by a thousandth less than to this edge: of two plates
+    /// laid across each other all four crossings count before they are level, not the lowest alone.
     fn looks(&self, n: &Vec3, lean: f64) -> bool {
         let [n1, n2] = self.normals;
         if n1 == n2 {

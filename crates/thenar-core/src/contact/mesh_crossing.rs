@@ -120,9 +120,12 @@ fn crossing(
     let edge_a = Edge { ends, normals: edge.normals.map(|n| turn * n) };
     let roundings = [edge.rounding, mesh.index.rounding];
     let [spin_a, spin_b] = pair.movers.map(|m| m.side.placed.angular_velocity);
-    let turns = pair.reach.h * (spin_a - spin_b).norm();
     let margin = pair.reach.margin;
-    let ways = (pair.travel > margin).then(|| at_W.map(|p_W| pair.way(&p_W)));
+    let fast = pair.travel > margin;
+    let turns = if fast { pair.reach.h * (spin_a - spin_b).norm() } else { 0.0 };
+    // Straight ways are no likeness of the ways of bodies that are led round.
+    let led_round = pair.movers.iter().any(|m| m.is_turned_fast(pair.reach));
+    let ways = (fast && !led_round).then(|| at_W.map(|p_W| pair.way(&p_W)));
     let swept = ways.map(|ways| [0, 1].map(|k| ends[k] + FOLLOWED * ways[k]));
     let mut near = Aabb::of_points(&ends);
     if let Some(swept) = &swept {
@@ -132,7 +135,8 @@ fn crossing(
         let MeshEdge { vertices, normals } = others.list[j as usize];
         let edge_b = Edge { ends: vertices.map(|v| mesh.points[v as usize]), normals };
         let within = |c: &Crossed| c.gap() - roundings[0] - roundings[1] <= margin;
-        let comes = || ways.and_then(|ways| edge_a.arrival(&ways, &edge_b));
+        let apart = |c: &Crossed| c.gap() > roundings[0] + roundings[1];
+        let comes = || ways.and_then(|ways| edge_a.arrival(&ways, &edge_b)).filter(apart);
         let Some(c) = edge_a.cross(&edge_b, turns).filter(within).or_else(comes) else { return };
         let gap = c.gap() - roundings[0] - roundings[1];
         // From the edge of A: its lever is known however far off the other is now.

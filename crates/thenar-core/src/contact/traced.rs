@@ -6,6 +6,7 @@
 //! to where they cross others': of thin boxes that meet across each other no corner arrives.
 
 use crate::contact::Shape;
+use crate::contact::aabb::Aabb;
 use crate::contact::edge::{self, Edge, FOLLOWED};
 use crate::contact::features::corners;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
@@ -28,7 +29,7 @@ const ON_BALL: f64 = 0.05;
 /// Features: the side that has the point, its piece and its number.
 const TRACED: u32 = 6 << 16;
 const OF_B: u32 = 1 << 15;
-/// Of edges that cross: 7 bits name the pieces, 8 the edges.
+/// Set in the feature of two edges that cross, which 8 bits name.
 const EDGES: u32 = 1 << 14;
 
 /// Adds the points of A and of B that arrive at the other, of bodies that meet (so that `manifold` has
@@ -50,20 +51,24 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
         for (j, piece_b) in b.body.pieces.iter().enumerate() {
             let movers =
                 [MovingPiece { side: a, piece: piece_a }, MovingPiece { side: b, piece: piece_b }];
-            let pieces = (i as u32) << 24 | (j as u32) << 20;
-            edges(&movers, reach, TRACED | EDGES | pieces, manifold);
+            let of_pair = ((i * 4096 + j) as u32).wrapping_mul(0x9E37_79B1);
+            edges(&movers, reach, of_pair, manifold);
         }
     }
 }
 
-/// The edges of box A that arrive at edges of box B.
-fn edges([a, b]: &[MovingPiece; 2], reach: Reach, flag: u32, manifold: &mut Manifold) {
+/// The edges of box A that arrive at edges of box B; `of_pair` stands for the pieces.
+fn edges([a, b]: &[MovingPiece; 2], reach: Reach, of_pair: u32, manifold: &mut Manifold) {
     let (Shape::Cuboid { half: half_a }, Shape::Cuboid { half: half_b }) =
         (&a.piece.shape, &b.piece.shape)
     else {
         return;
     };
     let pair = Pair::new(a, b, reach);
+    let ahead = pair.around_a().inflate((FOLLOWED - 1.0) * pair.travel);
+    if !ahead.overlaps(&Aabb::symmetric(*half_b)) {
+        return;
+    }
     let turn = pair.b.rotation.tr_mul(&pair.a.rotation);
     let others = edge::of_cuboid(half_b);
     for (i, own) in edge::of_cuboid(half_a).into_iter().enumerate() {
@@ -73,18 +78,21 @@ fn edges([a, b]: &[MovingPiece; 2], reach: Reach, flag: u32, manifold: &mut Mani
         let own = Edge { ends, normals: own.normals.map(|n| turn * n) };
         for (j, other) in others.iter().enumerate() {
             let Some(met) = own.arrival(&ways, other) else { continue };
-            let there = b.at(met.when, reach.h).world_point(&met.q);
-            let is_buried = |m: &MovingPiece| {
-                m.whole_at(met.when, reach.h).distance(&there).value < -reach.margin
+            let (gap, normal_W) = (met.gap(), pair.b.rotation * met.n);
+            let same = SAME * inradius(&a.piece.shape);
+            // Both bodies end there: an edge along a seam of pieces is none.
+            let there_W = b.at(met.when, reach.h).world_point(&met.q);
+            let off = reach.margin.max(same);
+            let ends = |m: &MovingPiece, way: f64| {
+                let beyond = there_W + way * off * normal_W;
+                m.whole_at(met.when, reach.h).distance(&beyond).value > 0.5 * off
             };
-            if is_buried(a) || is_buried(b) {
+            if !ends(a, -1.0) || !ends(b, 1.0) {
                 continue;
             }
-            let (gap, normal_W) = (met.gap(), pair.b.rotation * met.n);
             let position_W = pair.b.world_point(&(met.p - 0.5 * gap * met.n));
-            let feature = flag | (i * 12 + j) as u32;
-            let point = ManifoldPoint { feature, position_W, normal_W, gap };
-            offer(point, SAME * inradius(&a.piece.shape), manifold);
+            let feature = (TRACED | EDGES | (i * 12 + j) as u32) ^ of_pair;
+            offer(ManifoldPoint { feature, position_W, normal_W, gap }, same, manifold);
         }
     }
 }

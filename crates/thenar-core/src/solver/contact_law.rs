@@ -237,8 +237,8 @@ impl Response {
             // Newton on 1/|t| - 1/radius, which is nearly a straight line, and bends so that from below each step ends
             // below.
             let slope = (t[0] * t[0] / (high + s) + t[1] * t[1] / (low + s)) / length.powi(3);
-            let next = s - (1.0 / length - 1.0 / radius) / slope;
-            s = if next > least && next < most { next } else { 0.5 * (least + most) };
+            let next = (s - (1.0 / length - 1.0 / radius) / slope).min(most);
+            s = if next > least { next } else { 0.5 * (least + most) };
         }
         // Wherever the steps end, friction stays within the disc.
         let length = length_of(t);

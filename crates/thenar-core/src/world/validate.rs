@@ -152,7 +152,7 @@ impl World {
         if self.desc.solver.cone == Cone::Circular {
             return Ok(());
         }
-        let rows = self.scratch.rows.rows.iter().zip(&self.scratch.contacts);
+        let rows = self.readout.rows.rows.iter().zip(&self.readout.contacts);
         rows.enumerate().try_for_each(|(i, (row, _))| {
             let bound = row.friction * row.lambda.x * FRAC_1_SQRT_2 * (1.0 + BOUND_OFF);
             let largest = row.lambda.y.abs().max(row.lambda.z.abs());

@@ -54,6 +54,7 @@ pub(super) fn polynomial(law: &[f64; MIMIC_TERMS], x: f64) -> (f64, f64) {
 /// The first mimic that follows itself, through others or not, or whose axis follows another already.
 pub(crate) fn tangled(mimics: &[Mimic]) -> Option<Mimic> {
     let above = |end: (u32, u8)| mimics.iter().find(|mimic| mimic.ends()[1] == end);
+    let second = |i: usize| mimics[..i].iter().any(|first| first.ends()[1] == mimics[i].ends()[1]);
     let circles = |mimic: &&Mimic| {
         let mut at = mimic.ends()[0];
         for _ in 0..=mimics.len() {
@@ -64,8 +65,7 @@ pub(crate) fn tangled(mimics: &[Mimic]) -> Option<Mimic> {
         }
         true
     };
-    let twice = |mimic: &&Mimic| above(mimic.ends()[1]).is_some_and(|first| first != *mimic);
-    mimics.iter().find(|mimic| circles(mimic) || twice(mimic)).copied()
+    (0..mimics.len()).find(|&i| circles(&&mimics[i]) || second(i)).map(|i| mimics[i])
 }
 
 #[cfg(test)]
@@ -96,6 +96,8 @@ mod tests {
         assert!(tangled(&[follows(1, 1)]).is_some());
         assert!(tangled(&[follows(4, 1), follows(1, 2), follows(2, 3), follows(3, 1)]).is_some());
         assert!(tangled(&[follows(2, 1), Mimic { axis: 0, ..follows(2, 3) }]).is_some());
+        // Said twice it would count twice.
+        assert!(tangled(&[follows(2, 1), follows(2, 1)]).is_some());
         // The other axis of a universal joint is free to follow.
         assert_eq!(tangled(&[follows(2, 1), Mimic { axis: 1, ..follows(2, 3) }]), None);
     }

@@ -57,7 +57,7 @@ pub(super) fn sources<'a>(nodes: &Nodes<'a>) -> Result<Vec<Source<'a>>, RigError
 }
 
 /// Lists the skinned meshes, those that are the body marked: those of these names, or the one of greatest volume; of equals
-/// the first. One that is damaged is reported and does not count, unless it is named or all are.
+/// the first. One that is damaged may be the body: it is refused unless another is named.
 pub(super) fn choose(
     file: &Container,
     nodes: &Nodes<'_>,
@@ -67,7 +67,7 @@ pub(super) fn choose(
     let mut all = TriMesh::default();
     let mut parts = Vec::with_capacity(sources.len());
     let mut growth = HashMap::new();
-    let mut first_error = None;
+    let mut first_error: Option<RigError> = None;
     for source in sources {
         let (mesh, damage) = match whole(file, &source.mesh)? {
             Ok(mesh) => (mesh, None),
@@ -92,12 +92,22 @@ pub(super) fn choose(
             damage,
         });
     }
-    if let (Some(error), true) = (first_error, parts.iter().all(|part| part.damage.is_some())) {
-        return Err(error);
+    if let (Some(error), true) = (first_error, names.is_empty()) {
+        let sound = parts.iter().filter(|part| part.damage.is_none());
+        let sound = sound.map(|part| quoted(&part.name).to_string()).collect::<Vec<_>>();
+        let damaged = parts.iter().find(|part| part.damage.is_some());
+        return Err(match damaged.filter(|_| !sound.is_empty()) {
+            Some(part) => RigError::invalid(format!(
+                "mesh {}: {error}; if the body is another one, name it (`--mesh NAME`, in a scene `mesh`): {}",
+                quoted(&part.name),
+                sound.join(", ")
+            )),
+            None => error,
+        });
     }
     if names.is_empty() {
-        let sound = (0..parts.len()).filter(|&k| parts[k].damage.is_none());
-        let most = sound.reduce(|a, b| if parts[b].volume > parts[a].volume { b } else { a });
+        let most =
+            (0..parts.len()).reduce(|a, b| if parts[b].volume > parts[a].volume { b } else { a });
         most.into_iter().for_each(|k| parts[k].chosen = true);
         return Ok(parts);
     }

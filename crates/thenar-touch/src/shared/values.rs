@@ -14,9 +14,9 @@ const ROUND_OFF: f64 = 1e-9;
 /// Parts of a contact's value that are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 enum Known {
-    /// Its normal part, but for what loads do to it.
+    /// The normal part, but for what loads do to it.
     Bound,
-    /// Its normal part.
+    /// The normal part.
     Normal,
     /// Normal and tangential parts, as far as friction needs them.
     All,

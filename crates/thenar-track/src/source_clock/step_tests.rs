@@ -6,7 +6,7 @@ use super::*;
 const MS: u64 = 1_000_000;
 const WAY: u64 = 4 * MS;
 
-/// Ages beyond the way there that samples are given after a step of so many milliseconds \[ns\], and when jumps were told, in samples.
+/// Ages beyond the way there that samples are given after a step of `step_ms` \[ns\], and at which samples jumps were reported.
 fn after(step_ms: i64) -> (Vec<u64>, Vec<u64>) {
     let mut clock = SourceClock::default();
     let (mut ages, mut jumps) = (Vec::new(), Vec::new());

@@ -382,8 +382,8 @@ fn the_square_is_asked_of_steps_with_the_linearised_cone() {
     let mut world = resting(SolverKind::Exact, Cone::Linearised);
     assert_eq!(world.validate_step(), Ok(()));
     let flesh = |contact: &Contact| matches!(contact.a, Site::Soft(_));
-    let i = world.scratch.found.iter().position(flesh).unwrap();
-    let row = &mut world.scratch.rows.rows[i];
+    let i = world.readout.sites.iter().position(flesh).unwrap();
+    let row = &mut world.readout.rows.rows[i];
     row.lambda.y = row.friction * row.lambda.x * 0.9;
     assert!(row.lambda.x > 0.0);
     let said = world.validate_step().unwrap_err().to_string();

@@ -49,17 +49,17 @@ pub(super) fn resolve(
         law[0] -= own.rest;
         let (joint, axis) = (own.joint, own.axis);
         mimics.push(Mimic { joint, axis, leader: other.joint, leader_axis: other.axis, law });
-        if let Some(mimic) = tangled(&mimics) {
-            let name = |joint: u32| {
-                let bone = &bones[joint as usize + 1];
-                bone.joint.as_ref().map_or("", |joint| &joint.name)
-            };
-            return Err(RigError::invalid(format!(
-                "joint {} follows itself through others, or follows two joints, one of them {}",
-                quoted(name(mimic.joint)),
-                quoted(name(mimic.leader))
-            )));
-        }
+    }
+    if let Some(mimic) = tangled(&mimics) {
+        let name = |joint: u32| {
+            let bone = &bones[joint as usize + 1];
+            bone.joint.as_ref().map_or("", |joint| &joint.name)
+        };
+        return Err(RigError::invalid(format!(
+            "joint {} follows itself through others, or follows two joints, one of them {}",
+            quoted(name(mimic.joint)),
+            quoted(name(mimic.leader))
+        )));
     }
     Ok(mimics)
 }
