@@ -1,5 +1,6 @@
 //! Contact in scenes: what rests, slides, tumbles and touches itself.
 
+mod crossed_plates;
 mod force_spectrum;
 mod long_steps;
 mod overlaps;
