@@ -26,7 +26,8 @@ fn declared_triangles(bytes: &[u8]) -> Option<usize> {
 /// Binary files may begin with "solid" too: then the size decides.
 fn is_binary(bytes: &[u8]) -> bool {
     let size = declared_triangles(bytes).map(|n| HEADER_BYTES + n * TRIANGLE_BYTES);
-    size == Some(bytes.len()) || !bytes.trim_ascii_start().starts_with(b"solid")
+    let first = bytes.trim_ascii_start().get(..5);
+    size == Some(bytes.len()) || !first.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
 fn read_binary(bytes: &[u8]) -> Result<TriMesh, RigError> {
@@ -153,8 +154,11 @@ mod tests {
     fn ascii_is_read() {
         let facet = "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1e0 0\n endloop\nendfacet\n";
         let text = format!("solid a thing\n{facet}endsolid a thing\n");
-        let mesh = read_stl(text.as_bytes()).unwrap();
-        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (3, 1));
+        // Programs for CAD write it in capitals too.
+        for text in [text.to_uppercase(), text] {
+            let mesh = read_stl(text.as_bytes()).unwrap();
+            assert_eq!((mesh.positions.len(), mesh.triangles.len()), (3, 1));
+        }
     }
 
     #[test]
