@@ -3,7 +3,6 @@
 //!
 //! Lengths are metres in every file; axes are kept (y up). Files are complete or not there.
 
-mod base64;
 mod file;
 mod gltf;
 mod hand;

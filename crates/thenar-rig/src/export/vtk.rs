@@ -2,8 +2,8 @@
 //!
 //! Arrays are binary (base64, little endian, 64-bit lengths, not compressed).
 
-use super::base64;
 use crate::RigError;
+use data_encoding::BASE64;
 use std::fmt::Write;
 use thenar_core::Vec3;
 use thenar_core::model::Flesh;
@@ -229,7 +229,7 @@ impl Xml {
         );
         let mut block = (bytes.len() as u64).to_le_bytes().to_vec();
         block.extend_from_slice(bytes);
-        base64::encode(&block, &mut self.0);
+        BASE64.encode_append(&block, &mut self.0);
         self.line("</DataArray>");
     }
 }
