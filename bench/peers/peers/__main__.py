@@ -6,7 +6,7 @@ import subprocess
 import time
 from datetime import UTC, datetime
 
-from . import cases, pairs, report
+from . import cases, factor, pairs, report
 from .engines import BINARIES, HERE, WORK
 from .hand import Hand
 
@@ -56,6 +56,8 @@ def main():
     preface = (HERE / "peers" / "preface.md").read_text(encoding="utf-8")
     say(start, "pairs of rigid shapes")
     text = report.markdown(found, preface) + "\n" + pairs.section()
+    say(start, "factor of the flesh")
+    text += "\n" + factor.section()
     print(text)
     # A quick or partial run proves that all works; it does not replace the record.
     folder = WORK if options.quick or options.only else HERE

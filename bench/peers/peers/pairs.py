@@ -1,12 +1,9 @@
 """`python -m peers.pairs`: rigid shapes in Thenar and parry3d; renews that section of results."""
 
-import os
-import platform
 import subprocess
-from datetime import UTC, datetime
 
 from .engines import BINARIES, HERE
-from .report import cpu, locked, said
+from .report import machine_in_words, renew
 
 TITLE = "## Pairs of rigid shapes: Thenar and parry3d\n"
 
@@ -24,23 +21,13 @@ that they are; not what carries a load, which a solver finds from all points.
 
 
 def section():
-    load = os.getloadavg()[0]
-    busy = " (**busy: the times are upper bounds**)" if load > 0.7 else ""
-    lock = HERE / "Cargo.lock"
-    machine = (
-        f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC; {cpu()}, {os.cpu_count()} cores, "
-        f"load {load:.1f} at the start{busy}; {platform.system()} {platform.release()}; "
-        f"Thenar {said('git', '-C', str(HERE), 'describe', '--always')}, "
-        f"parry3d {locked(lock, 'parry3d')}; {said('rustc', '--version')}.\n"
-    )
+    machine = machine_in_words(HERE, "parry3d")
     done = subprocess.run([BINARIES / "pairs"], check=True, capture_output=True, text=True)
     return "\n".join([TITLE, machine, WORDS, done.stdout])
 
 
 def main():
-    file = HERE / "results.md"
-    before = file.read_text(encoding="utf-8").split(TITLE)[0].rstrip()
-    file.write_text(f"{before}\n\n{section()}", encoding="utf-8")
+    renew(HERE / "results.md", TITLE, section())
 
 
 if __name__ == "__main__":

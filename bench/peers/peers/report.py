@@ -3,6 +3,7 @@
 import os
 import platform
 import subprocess
+from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 
@@ -24,6 +25,26 @@ def machine(root):
         "rapier3d": locked(root / "Cargo.lock", "rapier3d"),
         "mujoco": metadata.version("mujoco"),
     }
+
+
+def machine_in_words(root, crate):
+    """The same for a section of its own, with the crate that it compares."""
+    load = os.getloadavg()[0]
+    busy = " (**busy: the times are upper bounds**)" if load > 0.7 else ""
+    return (
+        f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC; {cpu()}, {os.cpu_count()} cores, "
+        f"load {load:.1f} at the start{busy}; {platform.system()} {platform.release()}; "
+        f"Thenar {said('git', '-C', str(root), 'describe', '--always')}, "
+        f"{crate} {locked(root / 'Cargo.lock', crate)}; {said('rustc', '--version')}.\n"
+    )
+
+
+def renew(file, title, section):
+    """Puts a section in the place of the one with this title, or at the end."""
+    before, _, after = file.read_text(encoding="utf-8").partition(title)
+    start = after.find("\n## ")
+    rest = after[start:] if start >= 0 else ""
+    file.write_text(f"{before.rstrip()}\n\n{section}{rest}", encoding="utf-8")
 
 
 def cpu():
