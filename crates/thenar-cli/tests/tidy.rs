@@ -41,13 +41,42 @@ fn touch_and_tracking_know_only_what_is_below_them() {
         ("thenar-touch", vec!["thenar-core", "thenar-track"]),
     ] {
         let text = read(&format!("crates/{name}/Cargo.toml"));
-        let ours = text.lines().skip_while(|line| *line != "[dependencies]");
-        let ours: Vec<&str> = (ours.take_while(|line| !line.starts_with("[dev-")))
-            .filter_map(|line| line.split(['.', ' ', '=']).next())
-            .filter(|word| word.starts_with("thenar"))
-            .collect();
+        let ours: Vec<&str> =
+            dependencies(&text).into_iter().filter(|word| word.starts_with("thenar")).collect();
         assert_eq!(ours, below, "{name} depends on {ours:?}");
     }
+}
+
+/// Names in a table of a crate's manifest, but for what is optional.
+fn dependencies(manifest: &str) -> Vec<&str> {
+    let lines = manifest.lines().skip_while(|line| *line != "[dependencies]").skip(1);
+    (lines.take_while(|line| !line.starts_with('[')))
+        .filter(|line| !line.starts_with('#') && !line.contains("optional = true"))
+        .filter_map(|line| line.split(['.', ' ', '=']).next())
+        .filter(|word| !word.is_empty())
+        .collect()
+}
+
+/// Benchmarks against others are a workspace of their own, which nothing here builds: its lock file must know what the
+/// crates that it measures depend on, or its first build fails.
+#[test]
+fn the_lock_file_of_the_peers_knows_what_our_crates_need() {
+    let lock = read("bench/peers/Cargo.lock");
+    let mut ours = 0;
+    for package in lock.split("[[package]]").filter(|package| !package.contains("source = ")) {
+        let name = package.split('"').nth(1).unwrap_or_default();
+        let manifest = format!("crates/{name}/Cargo.toml");
+        if !root().join(&manifest).exists() {
+            assert!(name.is_empty() || name == "thenar-peers", "{name} is no crate of ours");
+            continue;
+        }
+        ours += 1;
+        for needed in dependencies(&read(&manifest)) {
+            let listed = [format!("\"{needed}\""), format!("\"{needed} ")];
+            assert!(listed.iter().any(|text| package.contains(text)), "{name} without {needed}");
+        }
+    }
+    assert!(ours >= 2, "{ours} crates of ours in bench/peers/Cargo.lock");
 }
 
 /// What links call a heading by.

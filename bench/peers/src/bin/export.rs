@@ -10,14 +10,14 @@ use thenar_rig::{Model, RigError, write_model};
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let ([tets, file], model) = (match words.as_slice() {
+    let ([tets, file], model) = match words.as_slice() {
         [tets, file] => ([tets, file], None),
         [tets, file, model] => ([tets, file], Some(model)),
         _ => {
             eprintln!("usage: export TETS FILE.json [FILE.thenar]");
             return ExitCode::from(2);
         }
-    });
+    };
     let Ok(tets) = tets.parse() else {
         eprintln!("{tets} is no number of tetrahedra");
         return ExitCode::from(2);
