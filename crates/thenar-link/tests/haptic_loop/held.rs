@@ -10,10 +10,12 @@ use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::motion::HandMotion;
 use thenar_track::live::{LiveHand, LivePose};
 
-const BREAD: &str = include_str!("../../../thenar-scene/scenes/bread-grasp.toml");
+pub const BREAD: &str = include_str!("../../../thenar-scene/scenes/bread-grasp.toml");
 const CAR: &str = include_str!("../../../thenar-scene/scenes/car-grasp.toml");
-/// The scene's hand rests, closes and holds \[ms\].
-const RESTS: u64 = 1000;
+/// The scene's hand rests, opens and closes, and holds \[ms\]. It meets nothing in the first second of its script, in which
+/// forces ramp up. A stale sample is felt softer the later it comes, so that faults need their place between two samples:
+/// from `holding` on they have the one for which their limits were found, 40 ms after steps and samples last came together.
+const RESTS: u64 = 340;
 const HOLDS: u64 = RESTS + 2100;
 /// Time between samples \[ms\].
 const EVERY: u64 = 11;
@@ -80,9 +82,9 @@ pub struct Watched {
     pub frozen: bool,
 }
 
-/// Closed on the loaf, at full force and at rest.
-pub fn holding() -> Watched {
-    let worn = Worn::of(BREAD, Settings::default(), Rendering::Tendons);
+/// Closed on the scene's loaf, at full force and at rest.
+pub fn holding(scene: &str) -> Watched {
+    let worn = Worn::of(scene, Settings::default(), Rendering::Tendons);
     let mut held = Watched { worn, before: [0.0; 5], silent: false, frozen: false };
     held.worn.rig.clock.remote().arm();
     held.go(HOLDS + 900, |rig, pose, _| rig.wearer.say(rig.now_ns, Some(pose)));
@@ -150,7 +152,7 @@ impl Watched {
 /// Loss of a sample, 60 ms, 0.2 s and 1 s, and 25 ms without a tick: what is sent meanwhile and after.
 #[test]
 fn a_loaf_is_let_go_and_held_on_to_by_itself() {
-    let mut held = holding();
+    let mut held = holding(BREAD);
     let full = held.total();
     let seen = |rig: &mut Rig, pose: LivePose, _: u64| rig.wearer.say(rig.now_ns, Some(pose));
     for (ms, zero_by, back_by) in
@@ -203,25 +205,34 @@ fn felt_of_what_is_held(scene: &str, mode: LoopMode) -> [f64; 5] {
     sums.map(|sum| sum / count)
 }
 
-/// Fingers are felt alike in all modes, within 1 % of what all feel together on the loaf. On the car, which holds fingers off
-/// farther, multirate is within 2 % of single-rate, and shared constraints within 2.5 %: there the hand in empty air, which is
-/// subtracted, is answered by the frame of the hand that holds something, on the arcs of its joints, but with flesh bent as in that
-/// frame.
-#[test]
-fn modes_agree_on_what_is_held() {
-    for (scene, within) in [(BREAD, [0.01; 2]), (CAR, [0.02, 0.025])] {
-        let [shared, single, multi] = [LoopMode::Shared, LoopMode::SingleRate, LoopMode::Multirate]
-            .map(|mode| {
-                let felt = felt_of_what_is_held(scene, mode);
-                println!("{mode:?}: {felt:?}");
-                felt
-            });
-        let whole: f64 = single.iter().sum();
-        assert!(whole > 1.0, "{whole} N are felt");
-        for (other, within) in [(multi, within[0]), (shared, within[1])] {
-            for (one, right) in other.iter().zip(&single) {
-                assert!((one - right).abs() < within * whole, "{other:?} beside {single:?} N");
-            }
+/// Fingers are felt alike in all modes: multirate and shared constraints are within these parts of what all fingers feel
+/// together in single-rate.
+fn modes_agree(scene: &str, within: [f64; 2]) {
+    let [shared, single, multi] = [LoopMode::Shared, LoopMode::SingleRate, LoopMode::Multirate]
+        .map(|mode| {
+            let felt = felt_of_what_is_held(scene, mode);
+            println!("{mode:?}: {felt:?}");
+            felt
+        });
+    let whole: f64 = single.iter().sum();
+    assert!(whole > 1.0, "{whole} N are felt");
+    for (other, within) in [(multi, within[0]), (shared, within[1])] {
+        for (one, right) in other.iter().zip(&single) {
+            assert!((one - right).abs() < within * whole, "{other:?} beside {single:?} N");
         }
     }
+}
+
+/// Within 1 %.
+#[test]
+fn modes_agree_on_a_loaf_that_is_held() {
+    modes_agree(BREAD, [0.01; 2]);
+}
+
+/// On the car, which holds fingers off farther, multirate is within 2 % of single-rate, and shared constraints within 2.5 %:
+/// there the hand in empty air, which is subtracted, is answered by the frame of the hand that holds something, on the arcs
+/// of its joints, but with flesh bent as in that frame.
+#[test]
+fn modes_agree_on_a_car_that_is_held() {
+    modes_agree(CAR, [0.02, 0.025]);
 }
