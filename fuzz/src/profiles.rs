@@ -14,7 +14,7 @@ use thenar_link::lucidgloves::{self, LucidGloves, LucidGlovesTwin};
 use thenar_link::profile::{Address, Check, Display, load};
 use thenar_link::twin::Twin;
 use thenar_link::{Event, HandOutput, LinkError, Protocol};
-use thenar_scene::live::{LivePose, checked};
+use thenar_track::live::{LivePose, checked};
 
 /// Drivers with profiles, and what is shipped for them.
 pub const DRIVERS: [(&str, &str); 5] = [

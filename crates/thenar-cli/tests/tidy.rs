@@ -32,13 +32,17 @@ fn every_path_in_the_architecture_exists() {
 }
 
 /// Who audits what pushes on a person reads one crate, and who audits what moves a hand another: neither may come to know
-/// scenes, devices or programs.
+/// scenes, devices or programs; nor may drivers come to know scenes.
 #[test]
-fn touch_and_tracking_know_only_what_is_below_them() {
+fn touch_tracking_and_drivers_know_only_what_is_below_them() {
     for (name, below) in [
         ("thenar-core", vec![]),
         ("thenar-track", vec!["thenar-core", "thenar-input"]),
         ("thenar-touch", vec!["thenar-core", "thenar-track"]),
+        (
+            "thenar-link",
+            vec!["thenar-input", "thenar-core", "thenar-output", "thenar-touch", "thenar-track"],
+        ),
     ] {
         let text = read(&format!("crates/{name}/Cargo.toml"));
         let ours: Vec<&str> =

@@ -37,7 +37,6 @@ pub mod profile;
 mod protocol;
 mod rate;
 mod registry;
-pub mod rehearsal;
 pub mod replay;
 #[cfg(test)]
 mod testing;

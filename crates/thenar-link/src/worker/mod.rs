@@ -26,7 +26,7 @@ mod run;
 mod tests;
 
 use crate::{LinkError, Opened, Presence, Protocol, Rendering, Transport};
-pub(crate) use door::Door;
+pub use door::Door;
 use handles::{Closer, DeviceDisplay, DeviceTracker};
 use messages::Messages;
 use run::{Ends, Worker};

@@ -8,8 +8,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar_core::Vec3;
 use thenar_link::haptic_loop::LoopMode;
-use thenar_link::rehearsal::{Comparison, Study};
 use thenar_output::Output;
+use thenar_rehearsal::{Comparison, Study};
 use thenar_scene::session::Session;
 use thenar_touch::{CouplingDesign, TrackerTiming};
 

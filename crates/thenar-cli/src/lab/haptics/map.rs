@@ -7,8 +7,8 @@ use crate::run::{known, open_live};
 use crate::touch::ModeWord;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use thenar_link::rehearsal::{Human, Onset, Rehearsal, RehearsalError};
 use thenar_output::Output;
+use thenar_rehearsal::{Human, Onset, Rehearsal, RehearsalError};
 use thenar_scene::session::Session;
 use thenar_touch::{GRIP, TrackerTiming};
 

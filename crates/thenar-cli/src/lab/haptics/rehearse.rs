@@ -4,7 +4,7 @@ use crate::error::CliError;
 use crate::run::open_live;
 use crate::touch::ModeWord;
 use std::path::PathBuf;
-use thenar_link::rehearsal::{Human, Outcome, Rehearsal, RehearsalError};
+use thenar_rehearsal::{Human, Outcome, Rehearsal, RehearsalError};
 use thenar_touch::{GRIP, LoopProfile, MARGIN, TrackerTiming};
 
 /// Names of fingers, thumb first.
@@ -184,7 +184,7 @@ fn rule(grip: f64, delay: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar_link::rehearsal::Felt;
+    use thenar_rehearsal::Felt;
 
     #[test]
     fn a_verdict_is_given_on_what_was_felt() {

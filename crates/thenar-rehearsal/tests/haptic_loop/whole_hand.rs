@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use thenar_core::Vec3;
 use thenar_link::haptic_loop::{LoopMode, Settings};
-use thenar_link::rehearsal::{Comparison, Led, Study, moved, scripted};
+use thenar_rehearsal::{Comparison, Led, Study, moved, scripted};
 use thenar_scene::session::Session;
 use thenar_touch::{BLEND, CouplingDesign, GRIP, TrackerTiming};
 

@@ -4,7 +4,7 @@
 
 use crate::rig::{session, small};
 use thenar_link::haptic_loop::LoopMode;
-use thenar_link::rehearsal::{Human, Outcome, Rehearsal};
+use thenar_rehearsal::{Human, Outcome, Rehearsal};
 use thenar_testing::one_in;
 use thenar_touch::TrackerTiming;
 

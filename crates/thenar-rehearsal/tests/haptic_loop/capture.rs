@@ -101,7 +101,8 @@ struct Outcome {
 }
 
 fn play(mode: LoopMode, mangle: Mangle) -> Outcome {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/quest3-two-hands.jsonl");
+    let file =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../thenar-link/tests/data/quest3-two-hands.jsonl");
     let capture = Recording::open(Path::new(file)).expect("a capture");
     let mut session = session(SCENE);
     let (wearer, _, display) = devices(Rendering::Tendons);

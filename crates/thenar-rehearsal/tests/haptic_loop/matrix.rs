@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thenar_link::haptic_loop::LoopMode;
-use thenar_link::rehearsal::{Human, Outcome, Rehearsal};
+use thenar_rehearsal::{Human, Outcome, Rehearsal};
 use thenar_scene::session::Session;
 use thenar_touch::TrackerTiming;
 

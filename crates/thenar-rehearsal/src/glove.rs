@@ -1,10 +1,10 @@
 //! A tracker that is late and a glove that pulls at once, in memory.
 
-use crate::worker::Door;
-use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thenar_core::model::Side;
+use thenar_link::worker::Door;
+use thenar_link::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use thenar_touch::safety::Limits;
 use thenar_touch::{LoopProfile, TrackerTiming};
 

@@ -1,9 +1,9 @@
 //! A scene and the product's own loop beside it, on a clock that is counted and not read.
 
-use super::{RehearsalError, TICK_NS};
-use crate::haptic_loop::{LoopHand, LoopMode, ManualLoop, Settings, SimulationPort};
-use crate::{ForceDisplay, Tracker};
+use crate::{RehearsalError, TICK_NS};
+use thenar_link::{ForceDisplay, Tracker};
 use thenar_scene::session::Session;
+use thenar_touch::haptic_loop::{LoopHand, LoopMode, ManualLoop, Settings, SimulationPort};
 
 /// The loop and a scene, which step in turn: a frame that a step makes arrives a whole period after the step's inputs
 /// were taken.

@@ -25,13 +25,13 @@ pub use stage::Stage;
 pub use study::{Comparison, Study, moved};
 pub use wearer::{Finger, Flow, Human};
 
-use crate::haptic_loop::{LoopError, LoopMode, PortError, Settings};
-use crate::{DIGITS, HandSample};
 use glove::{Ends, LateTracker};
 use std::ops::RangeInclusive;
 use thenar_core::model::Side;
+use thenar_link::{DIGITS, HandSample};
 use thenar_scene::session::{Random, Session};
 use thenar_touch::TrackerTiming;
+use thenar_touch::haptic_loop::{LoopError, LoopMode, PortError, Settings};
 use thenar_touch::safety::{Limits, Status};
 use thenar_track::live::{LiveError, LivePose};
 use wearer::RehearsedHand;

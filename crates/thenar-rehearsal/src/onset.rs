@@ -1,6 +1,6 @@
 //! How stiff a coupling may be felt before a hand hums on it: in the product's own loop, and by theory.
 
-use super::{Human, Outcome, Rehearsal, RehearsalError};
+use crate::{Human, Outcome, Rehearsal, RehearsalError};
 use std::f64::consts::PI;
 use thenar_scene::session::Session;
 use thenar_touch::{LoopProfile, MARGIN};
@@ -103,7 +103,7 @@ impl Rehearsal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rehearsal::{Finger, Flow};
+    use crate::{Finger, Flow};
     use std::collections::VecDeque;
 
     /// Where a virtual finger on a spring that is read a whole number of ticks late, and held for one, begins to swing more and

@@ -1,9 +1,9 @@
 //! A hand whose fingers give way: each a mass on a spring and a damper, which its command holds.
 
-use crate::DIGITS;
 use thenar_core::model::{Digit, HandModel};
 use thenar_core::world::Target;
 use thenar_core::{Mat3, Vec3};
+use thenar_link::DIGITS;
 use thenar_scene::motion::HandMotion;
 use thenar_scene::session::Session;
 use thenar_touch::Pad;

@@ -1,13 +1,13 @@
 //! A hand that is led through exact poses, seen by a tracker, in the product's own loop.
 
-use super::glove::{self, Ends, LateTracker};
-use super::{RehearsalError, Stage, TICK_NS, moved, white};
-use crate::haptic_loop::Settings;
-use crate::{DIGITS, HandSample};
+use crate::glove::{self, Ends, LateTracker};
+use crate::{RehearsalError, Stage, TICK_NS, moved, white};
 use thenar_core::Vec3;
 use thenar_core::model::Side;
+use thenar_link::{DIGITS, HandSample};
 use thenar_scene::session::{Random, Session};
 use thenar_touch::TrackerTiming;
+use thenar_touch::haptic_loop::Settings;
 use thenar_touch::safety::Limits;
 use thenar_track::live::{LiveError, LivePose};
 

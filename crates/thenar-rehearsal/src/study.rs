@@ -1,11 +1,11 @@
 //! One motion felt in several modes: how stiff, how late, and what energy comes back.
 
-use super::led::{Led, scripted};
-use super::{BEFORE, RehearsalError, check_all, check_tracker};
-use crate::haptic_loop::{LoopMode, Settings};
+use crate::led::{Led, scripted};
+use crate::{BEFORE, RehearsalError, check_all, check_tracker};
 use std::f64::consts::TAU;
 use thenar_core::{Pose, Vec3};
 use thenar_scene::session::Session;
+use thenar_touch::haptic_loop::{LoopMode, Settings};
 use thenar_touch::{CouplingDesign, TrackerTiming};
 use thenar_track::live::LivePose;
 
