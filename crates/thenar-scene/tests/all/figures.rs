@@ -1,6 +1,7 @@
 //! Goal: figures of flesh on any bones stand, reach and grip as their scenes say, and keep their momentum by themselves.
 //! Method: the shipped scenes, run whole; a free body thrashed by its own motors; scenes in which something is wrong.
 
+use crate::accuracy::Accuracy;
 use std::path::Path;
 use thenar_core::Vec3;
 use thenar_scene::session::{Session, builtin};
@@ -22,10 +23,13 @@ fn joint(session: &Session, name: &str) -> u32 {
 }
 
 fn run_to(session: &mut Session, time: f64) {
+    let mut accuracy = Accuracy::default();
     while session.world().time() < time - 1e-9 {
         let report = session.step(&mut ());
         assert!(!report.non_finite && !report.fell_back, "{:?}", report);
+        accuracy.note(&report);
     }
+    accuracy.is_met();
 }
 
 /// Ten seconds on its own feet: once it has sunk into its soles, no bone moves by a millimetre.

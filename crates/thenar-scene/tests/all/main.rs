@@ -1,6 +1,7 @@
 //! Scenes and sessions, in one binary: `cargo test -p thenar-scene --test all probes::` runs a part. Tests that count
 //! allocations stand apart.
 
+mod accuracy;
 mod contact;
 #[path = "../../../thenar-rig/tests/damage/bytes.rs"]
 mod damage;

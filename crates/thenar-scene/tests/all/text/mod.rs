@@ -1,6 +1,5 @@
 //! Scenes as text: what is read, what it becomes, and what is refused.
 
-mod accuracy;
 mod damage;
 mod errors;
 mod files;
