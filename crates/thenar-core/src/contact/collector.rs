@@ -60,7 +60,12 @@ impl<'a> Collector<'a> {
 
     /// Takes one contact.
     pub fn push(&mut self, contact: Contact) {
-        if -contact.gap > self.known.of(&contact) + self.known.slack {
+        self.push_within(contact, f64::INFINITY);
+    }
+
+    /// Takes one contact of bodies of whose depth no more than this slack is passed over \[m\].
+    pub fn push_within(&mut self, contact: Contact, slack: f64) {
+        if -contact.gap > self.known.of(&contact) + self.known.slack.min(slack) {
             self.found.penetration = self.found.penetration.max(-contact.gap);
         }
         let Some(out) = &mut self.out else { return };

@@ -1,6 +1,7 @@
 //! Broad phase, and the order in which everything is tested.
 
 mod search;
+mod two_rigid;
 
 use crate::contact::aabb::Aabb;
 use crate::contact::apart::Apart;
@@ -37,6 +38,8 @@ pub struct Detector {
     apart: Vec<Option<Apart>>,
     clusters: Vec<Clusters>,
     capacity: usize,
+    /// Least thickness of a rigid body \[m\].
+    thinnest: f64,
     scratch: Scratch,
 }
 
@@ -102,6 +105,7 @@ impl Detector {
         Self {
             clusters: surfaces.iter().map(Clusters::new).collect(),
             capacity,
+            thinnest: bodies.iter().flatten().map(|b| b.thickness).fold(f64::INFINITY, f64::min),
             scratch: Scratch::new(&bodies, &surfaces, capacity),
             pairs,
             bodies,
@@ -221,7 +225,12 @@ impl Detector {
                     moves[i] = RigidMove::new(body, &moved.poses_WB[i], &rigids[i].pose_WB);
                 }
             }
-            Since { rigids: &moves, vertices: moved.vertices, known }
+            Since {
+                rigids: &moves,
+                ends: (moved.poses_WB, rigids),
+                vertices: moved.vertices,
+                known,
+            }
         });
         self.search(reach, rigids, surfaces, since, &mut sight, &mut collector);
         self.scratch.moves = moves;
@@ -299,7 +308,11 @@ impl Detector {
     ) {
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(body) = body {
-                self.scratch.placed[i] = body.place(&rigids[i], reach.h);
+                let placed = &mut self.scratch.placed[i];
+                *placed = body.place(&rigids[i], reach.h);
+                if let Some(since) = since.filter(|s| s.goes_farther(i as u32, self.thinnest)) {
+                    placed.swept_W = since.swept(i as u32, body, placed);
+                }
             }
         }
         for (bounds, surface) in self.scratch.bounds.iter_mut().zip(&self.surfaces) {

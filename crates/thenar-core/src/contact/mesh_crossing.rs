@@ -8,6 +8,7 @@ use crate::contact::aabb::Aabb;
 use crate::contact::edge::{self, Crossed, Edge, FOLLOWED};
 use crate::contact::manifold::Manifold;
 use crate::contact::mesh_index::{Edges, MeshEdge};
+use crate::contact::mesh_normals::STANDING;
 use crate::contact::mesh_pair::{CROSSING, FROM_B, Pair, SHALLOW};
 use crate::math::Vec3;
 
@@ -31,9 +32,12 @@ pub(super) fn of_cuboid(pair: &Pair, half: &Vec3, mesh: &MeshShape, manifold: &m
 struct Crossing {
     feature: u32,
     position_W: Vec3,
+    /// Moved from there into both bodies, square to the normal: where that is one of a face, the place itself lies in the
+    /// face beside it, to round-off and what the normal leans.
+    inner_W: Vec3,
     normal_W: Vec3,
     gap: f64,
-    /// Deeper than this it may be that of edges that lie behind each other.
+    /// Deeper than this it may be that of edges that lie behind each other, on far sides of thin bodies.
     shallow: f64,
 }
 
@@ -53,8 +57,11 @@ pub(super) fn crossings(pairs: [&Pair; 2], meshes: [&MeshShape; 2], manifold: &m
 /// Adds the crossings that `each` finds. Edges that have gone deep into each other cross at the shallowest of them and at
 /// what is little deeper: others lie behind each other, on far sides of the bodies.
 fn offer_crossings(pair: &Pair, manifold: &mut Manifold, each: impl Fn(&mut dyn FnMut(Crossing))) {
-    let lies_inside =
-        |c: &Crossing| [pair.a, pair.b].iter().all(|s| s.distance(&c.position_W).value < 0.0);
+    // A place that stands out as far as a normal may lean is moved in by twice that: half of what is left.
+    let lies_inside = |c: &Crossing| {
+        let deep = 0.25 * STANDING * c.gap;
+        [pair.a, pair.b].iter().all(|s| s.distance(&c.inner_W).value < deep)
+    };
     let mut highest = f64::NEG_INFINITY;
     let mut is_deep = false;
     each(&mut |c: Crossing| {
@@ -67,7 +74,7 @@ fn offer_crossings(pair: &Pair, manifold: &mut Manifold, each: impl Fn(&mut dyn 
         }
         is_deep |= c.gap <= -c.shallow && (counts || c.gap >= AS_DEEP * highest);
     });
-    if is_deep {
+    if is_deep && highest > f64::NEG_INFINITY {
         each(&mut |c: Crossing| {
             if c.gap <= -c.shallow && c.gap >= AS_DEEP * highest && lies_inside(&c) {
                 pair.push(c.feature, c.position_W, c.normal_W, c.gap, manifold);
@@ -106,6 +113,12 @@ struct Crosses {
     rounding: f64,
 }
 
+/// Thickness of the thinner piece, and of both together \[m\].
+fn thicknesses(pair: &Pair) -> [f64; 2] {
+    let [a, b] = pair.movers.map(|m| 2.0 * m.piece.bounds.half().min());
+    [a.min(b), a + b]
+}
+
 /// One edge of A and those of mesh B that it crosses, or comes to on its way.
 fn crossing(
     pair: &Pair,
@@ -127,11 +140,16 @@ fn crossing(
     let led_round = pair.movers.iter().any(|m| m.is_turned_fast(pair.reach));
     let ways = (fast && !led_round).then(|| at_W.map(|p_W| pair.way(&p_W)));
     let swept = ways.map(|ways| [0, 1].map(|k| ends[k] + FOLLOWED * ways[k]));
+    let [thinner, thickness] = thicknesses(pair);
+    // Edges that are apart along an axis may be as deep as both bodies are thick; of shorter ones ends lie inside then,
+    // and are met themselves.
+    let length = (ends[1] - ends[0]).norm().min(others.longest);
+    let deep = margin.max(thickness.min(0.5 * length));
     let mut near = Aabb::of_points(&ends);
     if let Some(swept) = &swept {
         near = near.union(&Aabb::of_points(swept));
     }
-    others.tree.overlapping(&near.inflate(margin + roundings[0] + roundings[1]), |j| {
+    others.tree.overlapping(&near.inflate(deep + roundings[0] + roundings[1]), |j| {
         let MeshEdge { vertices, normals } = others.list[j as usize];
         let edge_b = Edge { ends: vertices.map(|v| mesh.points[v as usize]), normals };
         let within = |c: &Crossed| c.gap() - roundings[0] - roundings[1] <= margin;
@@ -141,13 +159,16 @@ fn crossing(
         let gap = c.gap() - roundings[0] - roundings[1];
         // From the edge of A: its lever is known however far off the other is now.
         let middle = c.p - (roundings[0] + 0.5 * gap) * c.n;
+        let out = edge_a.normals[0] + edge_a.normals[1] + normals[0] + normals[1];
+        let aside = STANDING * gap * (out - out.dot(&c.n) * c.n);
         let lengths = [&edge_a, &edge_b].map(|e| (e.ends[1] - e.ends[0]).norm());
         found(Crossing {
             feature: CROSSING | crossing_name(edge.i, others.first + j),
             position_W: pair.b.world_point(&middle),
+            inner_W: pair.b.world_point(&(middle + aside)),
             normal_W: pair.b.rotation * c.n,
             gap,
-            shallow: SHALLOW * lengths[0].min(lengths[1]),
+            shallow: (SHALLOW * lengths[0].min(lengths[1])).min(0.5 * thinner),
         });
     });
 }
@@ -157,3 +178,6 @@ fn crossing(
 fn crossing_name(i: u32, j: u32) -> u32 {
     (i.wrapping_mul(0x9E37_79B1) ^ j.wrapping_mul(0x85EB_CA6B).rotate_left(13)) >> 4
 }
+
+#[cfg(test)]
+mod tests;

@@ -60,10 +60,17 @@ pub(crate) struct Edges {
     /// Number of the first.
     pub first: u32,
     pub tree: Bvh,
+    /// Length of the longest \[m\].
+    pub longest: f64,
 }
 
 impl Edges {
     fn plant(&mut self, points: &[Vec3]) {
+        let length = |e: &MeshEdge| {
+            let [from, to] = e.vertices.map(|v| points[v as usize]);
+            (to - from).norm()
+        };
+        self.longest = self.list.iter().map(length).fold(0.0, f64::max);
         let ends = |e: &MeshEdge| Aabb::of_points(&e.vertices.map(|v| points[v as usize]));
         self.tree = Bvh::build(&self.list.iter().map(ends).collect::<Vec<_>>());
     }

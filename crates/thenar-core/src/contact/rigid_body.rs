@@ -19,6 +19,8 @@ pub(crate) struct RigidBody {
     pub bounds_S: Aabb,
     /// Largest distance of the shape from the centre of mass \[m\]; zero for a half-space.
     pub radius: f64,
+    /// Least side of the boxes around its pieces \[m\]; unbounded for a half-space.
+    pub thickness: f64,
     /// The parts of a compound, or the shape itself.
     pub pieces: Vec<Piece>,
 }
@@ -57,12 +59,17 @@ impl RigidBody {
             Shape::HalfSpace => 0.0,
             _ => desc.pose_BS.point(&bounds_S.center()).norm() + bounds_S.half().norm(),
         };
+        let pieces = Piece::all_of(&shape);
         Some(Self {
+            thickness: pieces
+                .iter()
+                .map(|p| 2.0 * p.bounds.half().min())
+                .fold(f64::INFINITY, f64::min),
             sharp: Sharp::of(&shape, spacing),
             pose_BS: desc.pose_BS,
             dynamic: desc.motion == Motion::Dynamic,
             friction: desc.friction,
-            pieces: Piece::all_of(&shape),
+            pieces,
             bounds_S,
             radius,
             shape,

@@ -1,16 +1,17 @@
 //! Pairs of each kind, tested one after another.
 
+use super::two_rigid::TwoRigid;
 use super::{Detector, Scratch};
 use crate::contact::aabb::Aabb;
-use crate::contact::collector::{Collector, feature_key};
+use crate::contact::collector::Collector;
 use crate::contact::crowd::Allowance;
 use crate::contact::deepening::Since;
-use crate::contact::rigid_pair::{self, Reach, RigidSide};
+use crate::contact::rigid_pair::{Reach, RigidSide};
 use crate::contact::sides::Sight;
 use crate::contact::soft_pairs::SoftPair;
-use crate::contact::soft_rigid::{KEY_RIGID, SoftRigid};
+use crate::contact::soft_rigid::SoftRigid;
 use crate::contact::soft_soft::{SoftSide, SoftSoft};
-use crate::contact::{Contact, Site, SurfaceState};
+use crate::contact::{Site, SurfaceState};
 use crate::math::Vec3;
 use crate::model::BodyId;
 
@@ -52,7 +53,9 @@ impl Detector {
                 if !near(sides[0], sides[1]) || !near(sides[1], sides[0]) {
                     continue;
                 }
-                if since.is_some_and(|since| !since.have_passed(i, j)) {
+                let two = TwoRigid::new([(a, i), (b, j)]);
+                let past = since.map(|since| (since, two.past(&since)));
+                if matches!(past, Some((_, None))) {
                     continue;
                 }
                 let ids = [i, j].map(BodyId::Rigid);
@@ -63,21 +66,9 @@ impl Detector {
                 if of_crowd {
                     allowance.spend();
                 }
-                rigid_pair::find(sides[0], sides[1], reach, manifold);
-                for p in manifold.points() {
-                    let site = |i: u32| Site::Rigid {
-                        body: i,
-                        offset_W: p.position_W - placed[i as usize].center_of_mass,
-                    };
-                    out.push(Contact {
-                        key: feature_key([KEY_RIGID, i, j, p.feature]),
-                        a: site(i),
-                        b: site(j),
-                        position_W: p.position_W,
-                        normal_W: p.normal_W,
-                        gap: p.gap,
-                        friction,
-                    });
+                two.find(sides.map(|side| side.placed), reach, friction, manifold, out);
+                if let Some((since, Some(past))) = past {
+                    two.measure_way(&since, past, manifold, out);
                 }
             }
         }

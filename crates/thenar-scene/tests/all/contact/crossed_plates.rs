@@ -137,8 +137,17 @@ fn plates_thrown_across_each_other_do_not_pass() {
             cases.push(case(meshes, 0.003, h, 0.02, 4.0, 0.0));
             cases.push(case(meshes, 0.003, h, 0.03, 2.0, 0.5));
         }
+        cases.push(case(meshes, 0.0004, 1e-3, 0.06, 35.0, 1.0));
         cases.push(case(meshes, 0.0008, 1e-3, 0.06, 35.0, 1.0));
-        cases.push(case(meshes, 0.003, 5e-3, 0.06, 35.0, 1.0));
+        // Far from level: what turns level within a step, and farther than it is thick, is looked at on its way.
+        for (thickness, h) in
+            [(0.0008, 5e-3), (0.003, 5e-3), (0.003, 1.0 / 60.0), (0.006, 1.0 / 60.0)]
+        {
+            for speed in [0.3, 1.0, 2.4] {
+                cases.push(case(meshes, thickness, h, 0.06, 35.0, speed));
+            }
+        }
+        cases.push(case(meshes, 0.003, 1.0 / 60.0, 0.06, 35.0, 3.0));
     }
     let passes = |case: &Case| {
         let mut session = case.open();
