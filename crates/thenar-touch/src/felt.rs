@@ -25,6 +25,8 @@ pub struct FeltBounds {
     pub profile: LoopProfile,
     /// What stands between the tracker's samples and the hand.
     pub observation: Observation,
+    /// Displays that only hold a finger, which no stiffness is felt of.
+    pub holds_only: bool,
 }
 
 /// Stiffness that one hand is felt with, by what its trackers and its frames do.
@@ -35,7 +37,7 @@ pub struct Felt {
     couplings: Vec<f64>,
     meter: DelayMeter,
     stated: Option<TrackerTiming>,
-    /// How noisy the tracker is of late, 0 to 1.
+    /// How noisy the tracker is of late: see [`Observation::noisy`].
     noisy: f64,
     /// What observation and frames add to the delay of each bone \[s\].
     added: Vec<f64>,
@@ -43,6 +45,8 @@ pub struct Felt {
     heard: bool,
     /// Stiffness that may be felt \[N/m\]; infinite before the first sample.
     most: Vec<f64>,
+    /// Stiffest that a bone would be felt if the tracker had no noise \[N/m\].
+    quiet: f64,
 }
 
 impl Felt {
@@ -50,7 +54,7 @@ impl Felt {
     pub fn new(bounds: FeltBounds, couplings: Vec<f64>) -> Self {
         let (meter, stated) = Default::default();
         let (added, most) = (vec![0.0; couplings.len()], vec![f64::INFINITY; couplings.len()]);
-        Self { bounds, couplings, meter, stated, noisy: 0.0, added, heard: false, most }
+        Self { bounds, couplings, meter, stated, noisy: 0.0, added, heard: false, most, quiet: 0.0 }
     }
 
     /// A sample measured at `time_ns` came at `now_ns`, from a tracker that states this of itself.
@@ -82,7 +86,8 @@ impl Felt {
         self.bounds.profile.later(self.meter.delay(self.stated.as_ref()) + added)
     }
 
-    /// Goes on by `h` \[s\] with a hand that is seen this `noisy`, 0 to 1: what may be felt follows the delay, without a step.
+    /// Goes on by `h` \[s\] with a hand that is seen this `noisy` (1 remembered for 50 ms): what may be felt follows the delay,
+    /// without a step.
     /// `added` is what frames add to each bone's on top of, or instead of, what observation adds \[s\]: see
     /// [`Touch::added_delay`](crate::Touch::added_delay).
     pub fn step(&mut self, h: f64, noisy: f64, added: impl Fn(usize, f64) -> f64) {
@@ -90,8 +95,16 @@ impl Felt {
         self.noisy += (1.0 - (-h / within).exp()) * (noisy - self.noisy);
         let delay = self.meter.delay(self.stated.as_ref());
         let observed = self.bounds.observation.adds(delay, self.noisy);
+        let without_noise = self.bounds.observation.adds(delay, 0.0);
+        self.quiet = 0.0;
         let (grows, falls) = ((GROWS * h).exp(), (-FALLS * h).exp());
         for bone in 0..self.couplings.len() {
+            if !self.bounds.holds_only {
+                let quiet = self.bounds.profile.later(delay + added(bone, without_noise));
+                let rule = |grip| MARGIN * quiet.felt_stiffness_max(grip);
+                let bound = self.bounds.grip.map_or(f64::INFINITY, rule);
+                self.quiet = self.quiet.max(self.couplings[bone].min(bound));
+            }
             self.added[bone] = added(bone, observed);
             let Some(grip) = self.bounds.grip else { continue };
             let bound = MARGIN * self.profile(bone).felt_stiffness_max(grip);
@@ -105,6 +118,11 @@ impl Felt {
             };
         }
         self.heard |= self.stated.is_some() || self.meter != DelayMeter::default();
+    }
+
+    /// Stiffest that a bone would be felt, blocked, if the tracker had no noise \[N/m\].
+    pub fn quiet_stiffness(&self) -> f64 {
+        self.quiet
     }
 
     /// Part of a bone's force that is felt.
@@ -134,6 +152,7 @@ mod tests {
             grip,
             profile,
             observation: Observation { adds: 0.01, makes_up: 0.3, noisy: 0.03 },
+            holds_only: false,
         }
     }
 

@@ -33,14 +33,15 @@ pub struct Observation {
     pub adds: f64,
     /// Less of it per second of delay.
     pub makes_up: f64,
-    /// Added to samples that are remembered as long as may be, whatever their delay \[s\].
+    /// Added to samples that are remembered for 50 ms, whatever their delay \[s\].
     pub noisy: f64,
 }
 
 impl Observation {
-    /// To samples that are late by so much \[s\] and `noisy` from 0, as sure as motion, to 1, remembered as long as may be.
+    /// To samples that are late by so much \[s\] and `noisy`: 0 as sure as motion, 1 remembered for 50 ms, and beyond in
+    /// proportion.
     pub fn adds(&self, delay: f64, noisy: f64) -> f64 {
         let sure = (self.adds - self.makes_up * delay).max(0.0);
-        sure + noisy * (self.noisy - sure)
+        sure * (1.0 - noisy).max(0.0) + noisy * self.noisy
     }
 }

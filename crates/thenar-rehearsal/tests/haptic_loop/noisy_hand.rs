@@ -9,8 +9,8 @@ use thenar_touch::TrackerTiming;
 
 const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 
-/// A millimetre of noise, observed for up to 50 ms, 39 ms late: the rule knows, and leaves 16 to 22 N/m behind a tracker
-/// without latency and 8 to 10 N/m behind one of 50 ms. Stirred by the force of noise, K times half a millimetre or so, a
+/// A millimetre of the wrist and one of each finger, 1.4 mm at a pad, are remembered for some 40 ms at 90 Hz and 60 ms at 60 Hz: the
+/// rule knows, and leaves 15 to 23 N/m behind a tracker without latency and 8 to 10 N/m behind one of 50 ms. Stirred by the force of noise, K times half a millimetre or so, a
 /// finger of damping b takes up no more than `F²/b`, even if all of it were at the finger's own frequency. That is all it
 /// is given nine seconds after it was pushed, besides what it goes along with the mean force from the window's begin to its
 /// end, less than twice 1.42 times its sway.
@@ -44,7 +44,7 @@ fn a_loose_hand_seen_with_noise_is_only_stirred() {
             out.trips
         );
         assert!(out.trips.is_empty() && out.live && worst.mean > 0.02, "{:?}", out.trips);
-        let felt = if latency > 0.0 { 8.0..10.0 } else { 16.0..22.0 };
+        let felt = if latency > 0.0 { 8.0..10.0 } else { 15.0..23.0 };
         assert!(felt.contains(&out.stiffness), "{} N/m", out.stiffness);
         let most = force * force / damping + 2.84 * worst.motion_rms * worst.mean;
         assert!(worst.given < most, "{worst:?} at {force} N");

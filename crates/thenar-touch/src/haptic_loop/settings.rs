@@ -96,10 +96,11 @@ pub(super) fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>])
         LoopProfile { period: slow.period.max(period), delay: slow.delay.max(delay), ..slow }
     };
     let pushing = || displays.iter().filter(|display| is_pushing(display.rendering()));
-    let grip = settings.grip.filter(|_| displays.is_empty() || pushing().next().is_some());
+    let holds_only = !displays.is_empty() && pushing().next().is_none();
+    let grip = settings.grip.filter(|_| !holds_only);
     let profiles = pushing().map(|display| display.loop_profile());
     let profile = profiles.fold(alone, slowest);
-    FeltBounds { grip, profile, observation: OBSERVATION }
+    FeltBounds { grip, profile, observation: OBSERVATION, holds_only }
 }
 
 /// What each display can do, and within which limits.

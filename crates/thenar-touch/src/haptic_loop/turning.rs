@@ -32,7 +32,7 @@ mod tests {
         let profile =
             LoopProfile { period: 1e-3, delay, damping, friction, resolution, rated_stiffness };
         let observation = Observation::default();
-        let bounds = FeltBounds { grip: Some(GRIP), profile, observation };
+        let bounds = FeltBounds { grip: Some(GRIP), profile, observation, holds_only: false };
         let timing = TrackerTiming { rate: 100.0, latency: 0.01, noise: 0.0 };
         let rule = GRIP * GRIP_LEVER * GRIP_LEVER / (0.5e-3 + timing.delay());
         for angular in [10.0, 0.5 * rule] {

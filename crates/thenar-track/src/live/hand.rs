@@ -5,7 +5,8 @@ use super::clock::Timing;
 use super::doubt::{Doubt, Verdict, Waiting};
 use super::follower::{Law, follow, follow_rotation};
 use super::memory::{CALIBRATION, Memory, PoseSource};
-use super::observer::{Observed, ObservedRotation};
+use super::noise::Levers;
+use super::observer::MEMORY;
 use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
 use crate::calibration::RATIOS;
@@ -27,10 +28,6 @@ const NOISY: f64 = 0.2;
 const FELT: [f64; 3] = [2e-5, 1e-4, 2e-4];
 /// A script is reached when nothing is further off than this \[m, rad\].
 const ARRIVED: f64 = 1e-4;
-/// A sample this far from what was expected is a teleport: \[m\] and \[m/s\] times the gap.
-const TELEPORT: [f64; 2] = [0.05, SPEED_MAX];
-/// Limits of a teleport for rotations \[rad, rad/s\].
-const TELEPORT_TURN: [f64; 2] = [0.5, 25.0];
 /// Largest change of the wrist's frame per pose while it is refined \[rad\].
 const REFINEMENT: f64 = 0.0035;
 
@@ -47,8 +44,11 @@ pub struct LiveHand {
     bones: BoneLengths,
     /// Natural frequency of the follower once it is there \[rad/s\].
     omega: f64,
+    /// Stiffness that is felt \[N/m\].
+    stiffness: f64,
     /// Samples that no motion explains wait for another that agrees; not in `memory`, which recordings keep.
     doubt: Option<Doubt>,
+    levers: Levers,
     /// All that changes and that the next step depends on, with what `retarget` and `knuckles` have
     /// learnt.
     pub(super) memory: Memory,
@@ -68,14 +68,17 @@ impl LiveHand {
         let articulation = Articulation::new(hand).map_err(|e| unfit(e.to_string()))?;
         let stance = Stance::at_rest(&articulation);
         let (bones, joints) = (articulation.tree.bones(), articulation.tree.joints());
+        let ranges = hand_angles(hand, &articulation);
         Ok(Self {
             name: name.into(),
             length: hand.length,
-            ranges: hand_angles(hand, &articulation),
+            levers: Levers::of(hand, &ranges),
+            ranges,
             retarget: Retarget::uncalibrated(hand, false).ok(),
             knuckles: Knuckles::of(hand),
             bones: BoneLengths::of(hand),
             omega: OMEGA[1],
+            stiffness: 0.0,
             doubt: None,
             memory: Memory::new(stance, joints),
             wanted: vec![Pose::identity(); bones],
@@ -90,6 +93,12 @@ impl LiveHand {
     /// beside its period.
     pub fn follow_at(&mut self, frequency: f64) {
         self.omega = TAU * frequency;
+    }
+
+    /// Leads what is felt, as stiff as this behind a tracker without noise \[N/m\]: noise is remembered for as long as it
+    /// would be felt on that. A hand that is only shown need not be stiller than near.
+    pub fn feel_on(&mut self, stiffness: f64) {
+        self.stiffness = stiffness;
     }
 
     /// Waits with a sample that no motion explains until the next one agrees with it: a glitch of one sample does
@@ -109,7 +118,7 @@ impl LiveHand {
         self.doubt.as_ref().is_some_and(Doubt::waits)
     }
 
-    /// How noisy its samples are, from 0, as sure as motion, to 1, remembered as long as may be; the worst of wrist and joints.
+    /// How noisy its samples are: 0 as sure as motion, 1 remembered for 50 ms, and more; the worst of wrist and joints.
     /// See [`Observation`](crate::Observation).
     pub fn noisy(&self) -> f64 {
         let memory = &self.memory;
@@ -210,7 +219,8 @@ impl LiveHand {
             },
             false => timing,
         };
-        observe(&mut self.memory, &wrist, &self.angles, &timing, was_lost);
+        let longest = self.longest(timing.gap);
+        self.memory.observe(&wrist, &self.angles, &timing, was_lost, longest);
         (self.memory.arrived, self.memory.late, self.memory.lost) =
             (self.memory.now, timing.late, false);
         Ok(())
@@ -350,6 +360,7 @@ impl LiveHand {
     /// How the pose carried over lies in time, after the last one that was taken; `None` when it must wait for another
     /// that agrees with it. One that it bears out is taken before it.
     fn without_doubt(&mut self, wrist: &Pose, timing: Timing) -> Option<Timing> {
+        let longest = self.longest(timing.gap);
         let Self { doubt: Some(doubt), memory, angles, .. } = self else { return Some(timing) };
         let since_taken = memory.now - memory.arrived + memory.late - timing.late;
         let gap = if doubt.waits() { Some(since_taken.max(0.0)) } else { timing.gap };
@@ -365,11 +376,22 @@ impl LiveHand {
             Verdict::Taken => Some(Timing { gap, ..timing }),
             Verdict::BornOut(Waiting { wrist, gap: before }) => {
                 let first = Timing { gap: Some(before), fresh: false, ..timing };
-                observe(memory, &wrist, doubt.angles(), &first, false);
+                memory.observe(&wrist, doubt.angles(), &first, false, longest);
                 let step = timing.gap.or_else(|| gap.map(|gap| (gap - before).max(0.0)));
                 Some(Timing { gap: step, ..timing })
             }
         }
+    }
+
+    /// True for a hand that is felt.
+    fn is_tight(&self) -> bool {
+        self.omega > OMEGA[1]
+    }
+
+    /// Longest memory for noise of samples `gap` \[s\] apart \[s\].
+    fn longest(&self, gap: Option<f64>) -> f64 {
+        let longest = |gap| self.levers.longest(&self.memory, gap, self.stiffness);
+        gap.map_or(MEMORY[1], longest)
     }
 
     /// Where the tracked hand will be at the end of the step, into `script`.
@@ -408,7 +430,7 @@ impl LiveHand {
             omega *= (beyond / 0.05).min(7.0).exp();
         }
         // Followed tightly, noise would be felt: no tighter than it is observed.
-        let tight = self.omega > OMEGA[1] && self.memory.way == PoseSource::Live;
+        let tight = self.is_tight() && self.memory.way == PoseSource::Live;
         let law = |speed: f64, quiet: f64| {
             // The power 5/4 of how quiet it is: least where memory is longest.
             let part = if tight { (quiet * quiet.sqrt().sqrt()).max(NOISY) } else { 1.0 };
@@ -448,35 +470,5 @@ impl LiveHand {
             && a.rotation.0.angle_to(&b.rotation.0) < ARRIVED
             && a.angles.iter().zip(&b.angles).all(|(a, b)| near(a, b))
             && self.opening() >= 1.0
-    }
-}
-
-/// Takes a pose that was carried over into the observers; sets out anew where it does not continue the ones before.
-fn observe(
-    memory: &mut Memory,
-    wrist: &Pose,
-    angles: &[[f64; 2]],
-    timing: &Timing,
-    was_lost: bool,
-) {
-    let gap = timing.gap.unwrap_or(0.0);
-    let far = |[base, rate]: [f64; 2]| base + rate * gap;
-    let teleported = memory.position.surprise(wrist.position, timing.gap) > far(TELEPORT)
-        || memory.rotation.surprise(&wrist.rotation, timing.gap) > far(TELEPORT_TURN);
-    if was_lost || timing.fresh || teleported {
-        memory.position = Observed::at(wrist.position);
-        memory.rotation = ObservedRotation::at(wrist.rotation);
-        for (joint, angles) in memory.joints.iter_mut().zip(angles) {
-            *joint = angles.map(Observed::at);
-        }
-        memory.set_out = memory.now;
-        return;
-    }
-    memory.position.take(wrist.position, timing.gap, SPEED_MAX);
-    memory.rotation.take(&wrist.rotation, timing.gap, SPIN_MAX);
-    for (joint, angles) in memory.joints.iter_mut().zip(angles) {
-        for k in 0..2 {
-            joint[k].take(angles[k], timing.gap, JOINT_RATE_MAX);
-        }
     }
 }

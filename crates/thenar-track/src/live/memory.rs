@@ -1,12 +1,17 @@
 //! What a hand that poses move remembers: with it, another that was made from the same scene goes on
 //! with the same bits.
 
-use super::clock::Clock;
+use super::clock::{Clock, Timing};
 use super::observer::{Observed, ObservedRotation};
 use super::stance::Stance;
-use super::{LiveError, LiveHand};
+use super::{JOINT_RATE_MAX, LiveError, LiveHand, SPEED_MAX, SPIN_MAX};
 use serde::{Deserialize, Serialize};
-use thenar_core::{Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
+
+/// A sample this far from what was expected is a teleport: \[m\] and \[m/s\] times the gap.
+const TELEPORT: [f64; 2] = [0.05, SPEED_MAX];
+/// Limits of a teleport for rotations \[rad, rad/s\].
+const TELEPORT_TURN: [f64; 2] = [0.5, 25.0];
 
 /// Poses that refine the calibration.
 pub const CALIBRATION: usize = 90;
@@ -76,6 +81,38 @@ impl Memory {
             script: stance.clone(),
             stance,
             script_known: false,
+        }
+    }
+
+    /// Takes a pose that was carried over into the observers, which remember noise for `longest` \[s\] at most; sets out
+    /// anew where it does not continue the ones before.
+    pub fn observe(
+        &mut self,
+        wrist: &Pose,
+        angles: &[[f64; 2]],
+        timing: &Timing,
+        was_lost: bool,
+        longest: f64,
+    ) {
+        let gap = timing.gap.unwrap_or(0.0);
+        let far = |[base, rate]: [f64; 2]| base + rate * gap;
+        let teleported = self.position.surprise(wrist.position, timing.gap) > far(TELEPORT)
+            || self.rotation.surprise(&wrist.rotation, timing.gap) > far(TELEPORT_TURN);
+        if was_lost || timing.fresh || teleported {
+            self.position = Observed::at(wrist.position);
+            self.rotation = ObservedRotation::at(wrist.rotation);
+            for (joint, angles) in self.joints.iter_mut().zip(angles) {
+                *joint = angles.map(Observed::at);
+            }
+            self.set_out = self.now;
+            return;
+        }
+        self.position.take(wrist.position, timing.gap, SPEED_MAX, longest);
+        self.rotation.take(&wrist.rotation, timing.gap, SPIN_MAX, longest);
+        for (joint, angles) in self.joints.iter_mut().zip(angles) {
+            for k in 0..2 {
+                joint[k].take(angles[k], timing.gap, JOINT_RATE_MAX, longest);
+            }
         }
     }
 

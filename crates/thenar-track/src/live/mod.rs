@@ -27,6 +27,7 @@ mod doubt;
 mod follower;
 mod hand;
 mod memory;
+mod noise;
 mod observer;
 mod stance;
 
@@ -56,7 +57,7 @@ pub const STALE: f64 = 0.1;
 
 /// What a hand that follows at 80 Hz adds to its tracker's delay, measured for 60 Hz to 1 kHz and 0 to 50 ms: 9.9 ms at
 /// 1 kHz at once, 6.0 ms at 90 Hz at once, 5.9 and 2.2 ms at 1 kHz and 90 Hz, 20 ms late, nothing at 50 ms. With noise that is
-/// remembered as long as may be, 36 ms at 60 Hz to 43 ms at 1 kHz, however late.
+/// remembered for 50 ms, 36 ms at 60 Hz to 43 ms at 1 kHz, however late.
 pub const OBSERVATION: Observation = Observation { adds: 0.01, makes_up: 0.2, noisy: 0.039 };
 
 /// A tracked hand at an instant, in the world.

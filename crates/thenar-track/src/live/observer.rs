@@ -6,9 +6,9 @@
 //! `h = (1 - θ)²`, `θ = exp(-gap / memory)`. Steady motion is followed without lag.
 //!
 //! A filter that remembers as long as it should leaves residuals without memory (Mehra 1970). Where
-//! successive ones are unlike, as about a hand that is still and noisy, it remembers longer, up to 50 ms; where they
-//! are alike motion runs ahead of it, and it forgets sooner, down to 14 ms, at once when two in a row
-//! are large. At 14 ms and 90 Hz white noise is led on at 0.83 of its size (place), at 50 ms at 0.47.
+//! successive ones are unlike, as about a hand that is still and noisy, it remembers longer, as long as noise is felt
+//! (`noise.rs`); where they are alike motion runs ahead of it, and it forgets sooner, down to 14 ms, at once when two in a
+//! row are large. At 14 ms and 90 Hz white noise is led on at 0.83 of its size (place), at 50 ms at 0.47.
 //! At an acceleration `a` the place lags by 8e-5 s² a, the velocity by 0.024 s a.
 //!
 //! What is remembered long is late, and a spring to it takes that off the damping of whoever holds it. A hand that is
@@ -19,14 +19,15 @@
 use serde::{Deserialize, Serialize};
 use thenar_core::{Quat, Vec3};
 
-/// Time in which a sample loses its weight: least and most \[s\].
-const MEMORY: [f64; 2] = [0.0139, 0.05];
+/// Time in which a sample loses its weight \[s\]: the least, and the most where nothing is felt.
+pub const MEMORY: [f64; 2] = [0.0139, 0.05];
 /// What the newest residual weighs in how alike residuals are.
-const NEWEST: f64 = 0.08;
-/// How fast memory changes with that, per sample.
-const ADAPTS: f64 = 0.5;
-/// Two residuals in a row that exceed the usual one by this factor are motion.
-const MOTION: f64 = 3.0;
+const NEWEST: f64 = 0.06;
+/// Likeness that they may have by chance: 2.3 times the deviation of the mean of white numbers, `√(NEWEST/(2 - NEWEST))`; less of
+/// what has several.
+const CHANCE: f64 = 0.4;
+/// How fast memory shrinks with what is beyond that, per sample.
+const ADAPTS: f64 = 1.0;
 /// A sample keeps `exp(-1.2)` of its weight until the next at least: slow trackers are noisier.
 const FADE_MAX: f64 = 1.2;
 
@@ -63,10 +64,12 @@ impl<T: Linear> Scatter<T> {
         Self { before: none, alike: 0.0, square: 0.0, memory: MEMORY[0] }
     }
 
-    /// The gains for this residual.
-    fn gains(&mut self, residual: T, gap: Option<f64>) -> Gains {
+    /// The gains for this residual; memory follows what it tells, up to `longest` \[s\].
+    fn gains(&mut self, residual: T, gap: Option<f64>, longest: f64) -> Gains {
         let (square, product) = (residual.dot(&residual), residual.dot(&self.before));
-        if square > MOTION * MOTION * self.square && product > 0.0 {
+        let both = residual + self.before;
+        let is_large = both.dot(&both) > 2.0 * T::MOTION * self.square;
+        if is_large && product > 0.0 && self.before.dot(&self.before) > self.square {
             self.memory = MEMORY[0];
         }
         let gains = Gains::after(gap, self.memory);
@@ -75,9 +78,18 @@ impl<T: Linear> Scatter<T> {
         self.before = residual;
         if self.square > 0.0 {
             let alike = (self.alike / self.square).clamp(-1.0, 1.0);
-            self.memory = (self.memory * (-ADAPTS * alike).exp()).clamp(MEMORY[0], MEMORY[1]);
+            let shrinks = ADAPTS * (CHANCE / T::AXES.sqrt() - alike).min(0.0);
+            // It grows, and comes down to what is less noisy, as fast as residuals are forgotten.
+            let nears = (longest / self.memory).ln().clamp(-NEWEST, NEWEST);
+            let change = if shrinks < 0.0 { shrinks.min(nears) } else { nears };
+            self.memory = (self.memory * change.exp()).max(MEMORY[0]);
         }
         gains
+    }
+
+    /// Mean square of the noise of samples: residuals are beyond it by what memory leads on.
+    fn noise_square(&self, gap: f64) -> f64 {
+        (1.0 - 0.5 * Gains::after(Some(gap), self.memory).place) * self.square.max(0.0)
     }
 
     fn quiet(&self) -> f64 {
@@ -85,7 +97,11 @@ impl<T: Linear> Scatter<T> {
     }
 
     fn noisy(&self, least: f64) -> f64 {
-        let longer = (self.memory - MEMORY[0]) / (MEMORY[1] - MEMORY[0]);
+        let [least_memory, most] = MEMORY;
+        let longer = (self.memory.min(most) - least_memory) / (most - least_memory);
+        // What is remembered for M is late by half of it.
+        let still_longer = 0.5 * (self.memory - most).max(0.0) / super::OBSERVATION.noisy;
+        let longer = longer + still_longer;
         let square = self.square.max(0.0);
         longer * square / (square + least * least)
     }
@@ -98,6 +114,11 @@ pub trait Linear:
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<f64, Output = Self>
 {
+    /// Number of its components.
+    const AXES: f64;
+    /// Two white residuals in a row exceed the usual square, on the mean of these numbers, by this factor once in two
+    /// million samples (χ² of 25 and of 31.8). What is usual is known to a quarter.
+    const MOTION: f64;
     /// Absolute value or length.
     fn size(&self) -> f64;
     /// Product along another.
@@ -105,6 +126,9 @@ pub trait Linear:
 }
 
 impl Linear for f64 {
+    const AXES: f64 = 1.0;
+    const MOTION: f64 = 25.0;
+
     fn size(&self) -> f64 {
         self.abs()
     }
@@ -115,6 +139,9 @@ impl Linear for f64 {
 }
 
 impl Linear for Vec3 {
+    const AXES: f64 = 3.0;
+    const MOTION: f64 = 31.8 / 3.0;
+
     fn size(&self) -> f64 {
         self.norm()
     }
@@ -152,13 +179,19 @@ impl<T: Linear> Observed<T> {
         (sample - self.ahead(gap.unwrap_or(0.0))).size()
     }
 
-    /// Takes in a sample, `gap` \[s\] after the last; the velocity stays below `rate_max`.
-    pub fn take(&mut self, sample: T, gap: Option<f64>, rate_max: f64) {
+    /// Takes in a sample, `gap` \[s\] after the last; the velocity stays below `rate_max`, and noise is remembered for
+    /// `longest` \[s\] at most.
+    pub fn take(&mut self, sample: T, gap: Option<f64>, rate_max: f64, longest: f64) {
         let expected = self.ahead(gap.unwrap_or(0.0));
         let residual = sample - expected;
-        let gains = self.scatter.gains(residual, gap);
+        let gains = self.scatter.gains(residual, gap, longest);
         self.place = expected + residual * gains.place;
         self.rate = bounded(self.rate + residual * gains.rate, rate_max);
+    }
+
+    /// Mean square of its samples' noise, `gap` \[s\] apart.
+    pub fn noise_square(&self, gap: f64) -> f64 {
+        self.scatter.noise_square(gap)
     }
 
     /// How quiet its samples are: 1 where they are as sure as motion, less where noise is remembered longer.
@@ -166,8 +199,9 @@ impl<T: Linear> Observed<T> {
         self.scatter.quiet()
     }
 
-    /// How long its samples are remembered for their noise, from 0 to 1, as long as may be; next to 0 where residuals are
-    /// below `least`, such as round-off: what sways by more than noise is soon remembered no longer than motion is.
+    /// How long its samples are remembered for their noise: 0 as motion is, 1 for 50 ms, and more in proportion to the delay
+    /// beyond; next to 0 where residuals are below `least`, such as round-off: what sways by more than noise is soon
+    /// remembered no longer than motion is.
     pub fn noisy(&self, least: f64) -> f64 {
         self.scatter.noisy(least)
     }
@@ -204,13 +238,18 @@ impl ObservedRotation {
         self.residual(sample, gap).1.norm()
     }
 
-    /// Takes in a sample, `gap` \[s\] after the last; the velocity stays below `rate_max`.
-    pub fn take(&mut self, sample: &Quat, gap: Option<f64>, rate_max: f64) {
+    /// Takes in a sample: see [`Observed::take`].
+    pub fn take(&mut self, sample: &Quat, gap: Option<f64>, rate_max: f64, longest: f64) {
         let (expected, residual) = self.residual(sample, gap);
-        let gains = self.scatter.gains(residual, gap);
+        let gains = self.scatter.gains(residual, gap, longest);
         let turned = Quat::from_scaled_axis(residual * gains.place) * expected;
         self.place = Quat::new_normalize(turned.into_inner());
         self.rate = bounded(self.rate + residual * gains.rate, rate_max);
+    }
+
+    /// Mean square of its samples' noise: see [`Observed::noise_square`].
+    pub fn noise_square(&self, gap: f64) -> f64 {
+        self.scatter.noise_square(gap)
     }
 
     /// How quiet its samples are: see [`Observed::quiet`].
@@ -243,8 +282,8 @@ mod tests {
         let spin = Vec3::new(1.0, -2.0, 0.5);
         for k in 1..200 {
             let t = f64::from(k) * GAP;
-            place.take(1.5 * t, Some(GAP), 4.0);
-            turn.take(&Quat::from_scaled_axis(spin * t), Some(GAP), 20.0);
+            place.take(1.5 * t, Some(GAP), 4.0, MEMORY[1]);
+            turn.take(&Quat::from_scaled_axis(spin * t), Some(GAP), 20.0, MEMORY[1]);
         }
         let t = 199.0 * GAP;
         assert!((place.place - 1.5 * t).abs() < 1e-9 && (place.rate - 1.5).abs() < 1e-7);
@@ -259,7 +298,7 @@ mod tests {
         let mut place = Observed::at(0.0);
         let at = |k: i32| 0.5 * 10.0 * (f64::from(k) * GAP).powi(2);
         for k in 1..60 {
-            place.take(at(k), Some(GAP), 40.0);
+            place.take(at(k), Some(GAP), 40.0, MEMORY[1]);
         }
         let (g, h) = (gains.place, gains.rate * GAP);
         let want = (1.0 - g) / h * 10.0 * GAP * GAP;
@@ -273,7 +312,7 @@ mod tests {
         let (mut error, mut rate_error, mut n) = (0.0, 0.0, 0.0);
         for k in 0..20_000 {
             let truth = 0.0137 * f64::from(k) * GAP;
-            place.take((truth * 1e3).round() * 1e-3, Some(GAP), 4.0);
+            place.take((truth * 1e3).round() * 1e-3, Some(GAP), 4.0, MEMORY[1]);
             if k > 100 {
                 error += (place.place - truth).powi(2);
                 rate_error += (place.rate - 0.0137).powi(2);
@@ -308,7 +347,7 @@ mod tests {
         let mut place = Observed::at(0.0);
         let (mut error, mut rate_error, count) = (0.0, 0.0, 4000);
         for k in 0..count + 200 {
-            place.take(1e-3 * white(), Some(GAP), 4.0);
+            place.take(1e-3 * white(), Some(GAP), 4.0, MEMORY[1]);
             if k >= 200 {
                 error += place.place.powi(2) / f64::from(count);
                 rate_error += place.rate.powi(2) / f64::from(count);
@@ -325,9 +364,9 @@ mod tests {
             let u = (f64::from(k) * GAP / 0.4).min(1.0);
             let truth = 0.2 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
             let sample = truth + 1e-3 * white();
-            place.take(sample, Some(GAP), 4.0);
+            place.take(sample, Some(GAP), 4.0, MEMORY[1]);
             short.scatter = Scatter::new(0.0);
-            short.take(sample, Some(GAP), 4.0);
+            short.take(sample, Some(GAP), 4.0, MEMORY[1]);
             far = far.max((place.place - truth).abs());
             far_short = far_short.max((short.place - truth).abs());
         }

@@ -179,9 +179,10 @@ fn a_waving_hand_is_followed_closely_despite_rounding() {
     println!("at rms accelerations of {acceleration} m/s², {turning} and {bending} rad/s²");
     // The observer lags by 8e-5 s² a and its velocity by 0.024 s a. Carried forward over 8 ms on
     // average that makes 1.9e-4 s² a, and a follower fed with it is 2/ω times it, 3.1e-4 s² a,
-    // and a/ω² = 4e-5 s² a behind: 6.2e-4 s² a together, beside the rounding.
+    // and a/ω² = 4e-5 s² a behind: 6.2e-4 s² a together, beside the rounding: 0.29 mm along each axis, of which 0.83 is
+    // led on at most.
     let lag = 6.5e-4;
-    assert!(place < lag * acceleration + 3e-4, "{place}");
+    assert!(place < lag * acceleration + 4.2e-4, "{place}");
     assert!(turn < lag * turning + 2e-3, "{turn}");
     assert!(joint < lag * bending + 3e-3, "{joint}");
     assert!(speed < 0.024 * acceleration + 0.015, "{speed}");

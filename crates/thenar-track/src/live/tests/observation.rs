@@ -69,26 +69,30 @@ fn observation_takes_what_the_rule_says() {
     assert!(most_over < 9e-3, "the rule is {most_over} s beyond what is taken");
 }
 
-/// White noise, and a sway at 2 Hz that is as large: the delay that is reported is the one measured by its phase,
-/// within a fifth. A hand that is seen without noise, though it stands still and its samples are round-off, is
+/// White noise, and a sway at 0.5 Hz that is as large: the delay that is reported is the one measured by its phase,
+/// within a fifth; where noise is remembered for less than 50 ms motion is carried on, which makes up for delay at such slow
+/// sways, and no less than that is reported. A hand that is seen without noise, though it stands still and its samples are round-off, is
 /// reported to be quiet.
 #[test]
 fn noise_is_as_late_as_is_told() {
+    let mut long = 0;
     for rate in [60.0, 90.0, 120.0] {
         for latency in [0.0, 0.05] {
-            for noise in [3e-4, 1e-3, 2e-3] {
+            for noise in [3e-4, 2e-3, 4e-3] {
                 let timing = TrackerTiming { rate, latency, noise };
-                let [_, seen, noisy] = swayed(&timing, 2.0, noise, 122_000);
+                let [_, seen, noisy] = swayed(&timing, 0.5, noise, 122_000);
                 let told = timing.delay() + OBSERVATION.adds(timing.delay(), noisy);
                 println!("{rate} Hz, {latency} s, {noise} m: {seen} s, told {told} s, {noisy}");
-                assert!(
-                    (told / seen - 1.0).abs() < 0.2,
-                    "{rate} Hz, {noise} m: {told} of {seen} s"
-                );
+                assert!(told > 0.8 * seen, "{rate} Hz, {noise} m: {told} of {seen} s");
+                if noisy > 0.8 {
+                    assert!(told < 1.2 * seen, "{rate} Hz, {noise} m: {told} of {seen} s");
+                    long += 1;
+                }
             }
             let exact = TrackerTiming { rate, latency, noise: 1e-15 };
             let [.., noisy] = swayed(&exact, 2.0, 1e-12, 5000);
             assert!(noisy < 1e-6, "{rate} Hz: {noisy}");
         }
     }
+    assert!(long >= 8, "{long} remembered for long");
 }
