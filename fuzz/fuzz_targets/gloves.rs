@@ -37,8 +37,8 @@ fn protocol(which: u8) -> Box<dyn Protocol> {
     }
 }
 
-// The first byte chooses the protocol, the second how the rest is cut (0: not at all, as large datagrams
-// are) and how fast time passes.
+// The first byte chooses the protocol, the second how the rest is cut (0: not at all, as large
+// datagrams are) and how fast time passes.
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let [which, cut, stream @ ..] = bytes else { return };
     let mut protocol = protocol(*which);

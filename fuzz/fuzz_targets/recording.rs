@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 static FILE: LazyLock<PathBuf> =
     LazyLock::new(|| std::env::temp_dir().join(format!("thenar-fuzz-{}.rec", std::process::id())));
 
-// Bytes that begin with `+` are frames after a shared beginning, whose hand takes a second to build; checksums
-// are made to agree.
+// Bytes that begin with `+` are frames after a shared beginning, whose hand takes a second to
+// build; checksums are made to agree.
 libfuzzer_sys::fuzz_target!(
     init: {
         thenar_fuzz::recordings::beginning();

@@ -1,8 +1,9 @@
 //! From the bytes of a file to two simulated steps, for every kind of body that a file can hold.
 //!
-//! The fuzz targets call these with what the fuzzer makes up, and `crates/thenar-rig/tests/all/fuzz_builders.rs`
-//! with damaged copies of good files. Each returns whether a body was made and stepped; a panic, a state that
-//! is not finite or an endless loop is what they look for. Bodies are coarse, so that one takes milliseconds.
+//! The fuzz targets call these with what the fuzzer makes up, and
+//! `crates/thenar-rig/tests/all/fuzz_builders.rs` with damaged copies of good files. Each returns
+//! whether a body was made and stepped; a panic, a state that is not finite or an endless loop is
+//! what they look for. Bodies are coarse, so that one takes milliseconds.
 
 use thenar_core::model::{
     HandModel, HandPlacement, Law, Material, Motion, RigidDesc, Side, Skinning, SoftDesc, WorldDesc,
@@ -151,7 +152,8 @@ fn placement() -> HandPlacement {
     }
 }
 
-/// The shipped hand's skin with few triangles and all its joints, as a GLB file: a start for the fuzzer.
+/// The shipped hand's skin with few triangles and all its joints, as a GLB file: a start for the
+/// fuzzer.
 pub fn small_hand() -> Result<Vec<u8>, RigError> {
     let rig = thenar_rig::glb::read_skinned_glb(asset(Side::Right))?;
     let skin = decimate(&weld(&rig.mesh, 1e-5).mesh.compacted(), 400)?;

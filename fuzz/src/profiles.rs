@@ -87,7 +87,8 @@ fn bounded(display: &Display) {
     assert!(rules.period > 0.0 && rules.rated_stiffness > 0.0, "{rules:?}");
 }
 
-/// A device says this, twice, and is told what its wearer shall feel; what comes of it is a hand nearby.
+/// A device says this, twice, and is told what its wearer shall feel; what comes of it is a hand
+/// nearby.
 fn speaks(protocol: &mut dyn Protocol, bytes: &[u8]) {
     let mut event = |event| match event {
         Event::Sample(sample) => {

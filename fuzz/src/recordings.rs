@@ -41,8 +41,9 @@ position = [0.2, 0.024, 0]
 shape = { kind = "lattice", size = [0.05, 0.05, 0.05], cells = [1, 1, 1] }
 "#;
 
-/// Steps of a recording, whose checksums are made to agree, replayed from its beginning and from its middle;
-/// how many there were. Bytes that begin with `+` are the frames that follow the beginning of a session.
+/// Steps of a recording, whose checksums are made to agree, replayed from its beginning and from
+/// its middle; how many there were. Bytes that begin with `+` are the frames that follow the
+/// beginning of a session.
 pub fn replays(bytes: &[u8], file: &Path) -> Result<usize, ReplayError> {
     let bytes = match bytes {
         [b'+', frames @ ..] => sealed(&[beginning(), frames].concat()),
@@ -88,8 +89,8 @@ fn looked_at(mut replay: Replay) -> Result<usize, ReplayError> {
     Ok(steps)
 }
 
-/// True when its scenes are those of the shared beginning, or small and without files and hands of their own,
-/// which take a second each.
+/// True when its scenes are those of the shared beginning, or small and without files and hands of
+/// their own, which take a second each.
 fn is_small(file: &Path) -> Result<bool, ReplayError> {
     let (_, mut frames) = thenar_record::open(file)?;
     while let Some(frame) = frames.next()? {
@@ -190,8 +191,8 @@ pub fn recorded(
     std::fs::read(file).unwrap()
 }
 
-/// Good recordings to begin with: a whole one of a ball, and the frames of a glove that is moved, led, put
-/// elsewhere, set and restarted.
+/// Good recordings to begin with: a whole one of a ball, and the frames of a glove that is moved,
+/// led, put elsewhere, set and restarted.
 pub fn seeds(folder: &Path) -> Vec<Vec<u8>> {
     const BALL: &str = r#"version = 1
 time_step = 0.01

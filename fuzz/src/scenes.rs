@@ -15,8 +15,8 @@ use thenar_scene::session::{Session, read};
 /// Scenes that would take more memory are not built: a fuzzer learns nothing from waiting.
 const BYTES_MAX: u64 = 20_000_000;
 
-/// A scene, opened and stepped; false where it would be too large, or holds hands, which take a second each.
-/// Files that it names are not there.
+/// A scene, opened and stepped; false where it would be too large, or holds hands, which take a
+/// second each. Files that it names are not there.
 pub fn steps(text: &str) -> Result<bool, SceneError> {
     let file = Path::new("/nowhere/fuzz.toml");
     let small = |text: &str| {

@@ -1,5 +1,5 @@
-//! The shipped hand as all engines can express it, as a model of Thenar's own: the simplification of `peers/hand.py`,
-//! so that Thenar's Python package has the very hand that jobs have.
+//! The shipped hand as all engines can express it, as a model of Thenar's own: the simplification
+//! of `peers/hand.py`, so that Thenar's Python package has the very hand that jobs have.
 
 use std::collections::BTreeMap;
 use thenar_core::Vec3;
@@ -7,7 +7,8 @@ use thenar_core::model::{
     AngleLimit, Binding, Digit, EmbeddedSurface, HandModel, JointKind, Law, Material, SurfaceVertex,
 };
 
-/// As of `peers/hand.py`: Young's modulus \[Pa\], Poisson's ratio, damping of stiffness \[s\], friction.
+/// As of `peers/hand.py`: Young's modulus \[Pa\], Poisson's ratio, damping of stiffness \[s\],
+/// friction.
 const YOUNG: f64 = 50e3;
 const POISSON: f64 = 0.43;
 const STIFFNESS_DAMPING: f64 = 1e-3;
@@ -15,8 +16,8 @@ const FRICTION: f64 = 0.6;
 /// A node nearer to the middle between two bones than this is left free.
 const WEIGHT_TIED: f64 = 0.75;
 
-/// One material; every node tied to one bone or to none; joints without limits, whose springs are relaxed as the hand was
-/// built; the boundary of the tetrahedra touches.
+/// One material; every node tied to one bone or to none; joints without limits, whose springs are
+/// relaxed as the hand was built; the boundary of the tetrahedra touches.
 pub fn simplified(mut hand: HandModel) -> HandModel {
     let flesh = &mut hand.flesh;
     let volumes: Vec<f64> = flesh

@@ -8,8 +8,8 @@ use std::borrow::Cow;
 use std::ffi::c_char;
 use thenar_scene::flat::flat_pose;
 
-/// Numbers of rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands. Pass NULL for
-/// what is not wanted.
+/// Numbers of rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and
+/// hands. Pass NULL for what is not wanted.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; the others are NULL or have room for a number.
@@ -35,8 +35,8 @@ pub unsafe extern "C" fn thenar_world_counts(
     })
 }
 
-/// The name of a rigid body; of a bone `hand/bone`. It stays until the world is freed. Contacts tell bodies by their
-/// place in the rigid bodies, then the deformable ones.
+/// The name of a rigid body; of a bone `hand/bone`. It stays until the world is freed. Contacts
+/// tell bodies by their place in the rigid bodies, then the deformable ones.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; `name` has room for a pointer.
@@ -117,8 +117,8 @@ unsafe fn of_rigid<const N: usize>(
     })
 }
 
-/// Pose of a rigid body's frame, whose origin is the centre of mass, in the world: position [m], quaternion x, y, z, w.
-/// `room` is 7.
+/// Pose of a rigid body's frame, whose origin is the centre of mass, in the world: position [m],
+/// quaternion x, y, z, w. `room` is 7.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; `pose` is NULL or has room for `room` numbers.
@@ -135,7 +135,8 @@ pub unsafe extern "C" fn thenar_rigid_pose(
     }
 }
 
-/// Velocity of a rigid body's centre of mass [m/s], then its angular velocity [rad/s], world. `room` is 6.
+/// Velocity of a rigid body's centre of mass [m/s], then its angular velocity [rad/s], world.
+/// `room` is 6.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; `velocity` is NULL or has room for `room` numbers.
@@ -176,8 +177,8 @@ unsafe fn of_soft<T: Copy>(
     })
 }
 
-/// Nodes of a deformable body's tetrahedra, world, three numbers each [m]. `*count` gets how many numbers there are;
-/// `out`, unless it is NULL, gets them, and `room` says how many it can take.
+/// Nodes of a deformable body's tetrahedra, world, three numbers each [m]. `*count` gets how many
+/// numbers there are; `out`, unless it is NULL, gets them, and `room` says how many it can take.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; `out` is NULL or has room for `room` numbers, `count` for one.
@@ -197,8 +198,8 @@ pub unsafe extern "C" fn thenar_soft_nodes(
     }
 }
 
-/// Vertices of a deformable body's surface that touches, world, three numbers each [m]. `out`, `room` and `count` are as
-/// of `thenar_soft_nodes`.
+/// Vertices of a deformable body's surface that touches, world, three numbers each [m]. `out`,
+/// `room` and `count` are as of `thenar_soft_nodes`.
 ///
 /// # Safety
 /// As of `thenar_soft_nodes`.
@@ -218,8 +219,8 @@ pub unsafe extern "C" fn thenar_soft_vertices(
     }
 }
 
-/// Contact force on each vertex of a deformable body's surface in the last step, world, three numbers each [N]. `out`,
-/// `room` and `count` are as of `thenar_soft_nodes`.
+/// Contact force on each vertex of a deformable body's surface in the last step, world, three
+/// numbers each [N]. `out`, `room` and `count` are as of `thenar_soft_nodes`.
 ///
 /// # Safety
 /// As of `thenar_soft_nodes`.
@@ -240,8 +241,9 @@ pub unsafe extern "C" fn thenar_soft_vertex_forces(
     }
 }
 
-/// Corners of the triangles of a deformable body's surface, three places in its vertices each, counter-clockwise from
-/// outside. They never change. `out`, `room` and `count` are as of `thenar_soft_nodes`.
+/// Corners of the triangles of a deformable body's surface, three places in its vertices each,
+/// counter-clockwise from outside. They never change. `out`, `room` and `count` are as of
+/// `thenar_soft_nodes`.
 ///
 /// # Safety
 /// As of `thenar_soft_nodes`.

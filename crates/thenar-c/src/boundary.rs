@@ -1,4 +1,5 @@
-//! The border: what goes wrong inside becomes a status and words, and nothing unwinds into the caller.
+//! The border: what goes wrong inside becomes a status and words, and nothing unwinds into the
+//! caller.
 
 use std::cell::RefCell;
 use std::ffi::{CString, c_char};
@@ -10,7 +11,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub enum Status {
     /// The call did what was asked.
     Ok = 0,
-    /// A pointer is null or not aligned, a size does not fit, text is not UTF-8, or there is no such body or hand.
+    /// A pointer is null or not aligned, a size does not fit, text is not UTF-8, or there is no
+    /// such body or hand.
     Argument = 1,
     /// The scene is wrong, or there is none.
     Scene = 2,
@@ -63,8 +65,8 @@ pub fn guard(act: impl FnOnce() -> Result<(), Refusal>) -> Status {
     refusal.status
 }
 
-/// Words of the last refusal in this thread, UTF-8; empty when there was none. They stay until the next refusal in
-/// this thread: copy what is to be kept.
+/// Words of the last refusal in this thread, UTF-8; empty when there was none. They stay until the
+/// next refusal in this thread: copy what is to be kept.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)] // its name is seen by the linker
 pub extern "C" fn thenar_last_error() -> *const c_char {

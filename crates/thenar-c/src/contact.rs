@@ -53,11 +53,13 @@ pub struct Load {
     pub centre: [f64; 3],
 }
 
-/// Contact points of the last step. `*count` gets how many there are; `contacts`, unless it is NULL, gets them, and
-/// `room` says how many it can take. There are none after a reset or a state, until the next step.
+/// Contact points of the last step. `*count` gets how many there are; `contacts`, unless it is
+/// NULL, gets them, and `room` says how many it can take. There are none after a reset or a state,
+/// until the next step.
 ///
 /// # Safety
-/// `world` is NULL or a live handle; `contacts` is NULL or has room for `room` contacts, `count` for a number.
+/// `world` is NULL or a live handle; `contacts` is NULL or has room for `room` contacts, `count`
+/// for a number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn thenar_world_contacts(
     world: *const World,
@@ -96,7 +98,8 @@ fn contact(rigids: usize, point: &ContactPoint) -> Contact {
     }
 }
 
-/// Loads on palm, thumb, index, middle, ring and little finger of a hand in the last step. `room` is 6.
+/// Loads on palm, thumb, index, middle, ring and little finger of a hand in the last step. `room`
+/// is 6.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; `loads` is NULL or has room for `room` loads.

@@ -16,12 +16,14 @@ fn follow(running: &mut Running, hand: usize, time: f64, pose: &LivePose) -> Res
     running.session.live_pose(hand, time, pose).map_err(refused)
 }
 
-/// Follows a wrist (7 numbers, as of `thenar_hand_wrist`) and twenty angles (as of `thenar_hand_angles`) from the next
-/// step on, as `thenar serve` follows a headset: smoothed, followed at limited speed, and lost when nothing comes for 0.1 s.
-/// `time`: when the pose was taken, by any clock [s]. Angles out of range are brought to its end.
+/// Follows a wrist (7 numbers, as of `thenar_hand_wrist`) and twenty angles (as of
+/// `thenar_hand_angles`) from the next step on, as `thenar serve` follows a headset: smoothed,
+/// followed at limited speed, and lost when nothing comes for 0.1 s. `time`: when the pose was
+/// taken, by any clock [s]. Angles out of range are brought to its end.
 ///
 /// # Safety
-/// `world` is NULL or a live handle; `wrist` and `angles` are NULL or of as many numbers as their counts say.
+/// `world` is NULL or a live handle; `wrist` and `angles` are NULL or of as many numbers as their
+/// counts say.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn thenar_hand_follow_angles(
     world: *const World,
@@ -51,11 +53,12 @@ pub unsafe extern "C" fn thenar_hand_follow_angles(
     })
 }
 
-/// Follows the 25 joints of WebXR Hand Input from the next step on, seven numbers each, as `thenar_hand_follow_angles`
-/// follows angles. `radii`: 25 of them [m], or NULL and 0.
+/// Follows the 25 joints of WebXR Hand Input from the next step on, seven numbers each, as
+/// `thenar_hand_follow_angles` follows angles. `radii`: 25 of them [m], or NULL and 0.
 ///
 /// # Safety
-/// `world` is NULL or a live handle; `joints` and `radii` are NULL or of as many numbers as their counts say.
+/// `world` is NULL or a live handle; `joints` and `radii` are NULL or of as many numbers as their
+/// counts say.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn thenar_hand_follow_joints(
     world: *const World,

@@ -6,8 +6,8 @@ use crate::pointer;
 use crate::running::World;
 use thenar_scene::flat::flat_pose;
 
-/// Pose of a hand's wrist in the world: position [m], quaternion x, y, z, w; -z towards the fingers, +y out of the back.
-/// `room` is 7.
+/// Pose of a hand's wrist in the world: position [m], quaternion x, y, z, w; -z towards the
+/// fingers, +y out of the back. `room` is 7.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; `wrist` is NULL or has room for `room` numbers.
@@ -28,8 +28,8 @@ pub unsafe extern "C" fn thenar_hand_wrist(
     })
 }
 
-/// The twenty angles of a hand [rad]; NaN for a joint that it lacks. For each finger, thumb first: flexion and spread of
-/// its base joint, then flexion of its second and third. `room` is 20.
+/// The twenty angles of a hand [rad]; NaN for a joint that it lacks. For each finger, thumb first:
+/// flexion and spread of its base joint, then flexion of its second and third. `room` is 20.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; `angles` is NULL or has room for `room` numbers.
@@ -50,12 +50,14 @@ pub unsafe extern "C" fn thenar_hand_angles(
     })
 }
 
-/// Poses of a hand's bones in the world, the palm first, seven numbers each: position [m], quaternion x, y, z, w; -z along
-/// the bone away from the wrist, +y out of the back. `*count` gets how many numbers there are; `poses`, unless it is NULL,
-/// gets them, and `room` says how many it can take.
+/// Poses of a hand's bones in the world, the palm first, seven numbers each: position [m],
+/// quaternion x, y, z, w; -z along the bone away from the wrist, +y out of the back. `*count` gets
+/// how many numbers there are; `poses`, unless it is NULL, gets them, and `room` says how many it
+/// can take.
 ///
 /// # Safety
-/// `world` is NULL or a live handle; `poses` is NULL or has room for `room` numbers, `count` for one.
+/// `world` is NULL or a live handle; `poses` is NULL or has room for `room` numbers, `count` for
+/// one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn thenar_hand_bone_poses(
     world: *const World,

@@ -54,8 +54,9 @@ unsafe fn open<T: AsRef<str>, F: AsRef<Path>>(
     })
 }
 
-/// Opens a scene file. `overrides`: `overrides_count` texts such as `solver.cone="circular"`, as `--set` of the program;
-/// NULL and 0 for none. `*world` gets the handle, which `thenar_world_free` frees.
+/// Opens a scene file. `overrides`: `overrides_count` texts such as `solver.cone="circular"`, as
+/// `--set` of the program; NULL and 0 for none. `*world` gets the handle, which `thenar_world_free`
+/// frees.
 ///
 /// # Safety
 /// `file` and each override end with a NUL; `world` has room for a pointer.
@@ -99,8 +100,8 @@ pub unsafe extern "C" fn thenar_world_open_named(
     unsafe { open(overrides, overrides_count, world, read) }
 }
 
-/// Opens a scene's text. `file` names it in messages; files that the scene names are looked for in its folder. Else as
-/// `thenar_world_open`.
+/// Opens a scene's text. `file` names it in messages; files that the scene names are looked for in
+/// its folder. Else as `thenar_world_open`.
 ///
 /// # Safety
 /// `text`, `file` and each override end with a NUL; `world` has room for a pointer.
@@ -126,7 +127,8 @@ pub unsafe extern "C" fn thenar_world_open_text(
 pub unsafe extern "C" fn thenar_world_free(world: *mut World) {
     guard(|| {
         if !world.is_null() {
-            // SAFETY: it came from a box when it was opened, and is freed once, by the caller's word.
+            // SAFETY: it came from a box when it was opened, and is freed once, by the caller's
+            // word.
             drop(unsafe { Box::from_raw(world) });
         }
         Ok(())

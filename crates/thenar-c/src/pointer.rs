@@ -23,14 +23,16 @@ fn check<T>(name: &str, pointer: *const T) -> Result<(), Refusal> {
 /// The pointer is null, or of a world that was opened and is not freed while the reference lives.
 pub unsafe fn world<'a>(world: *const World) -> Result<&'a World, Refusal> {
     check("world", world)?;
-    // SAFETY: not null, aligned, and a live world by the caller's word. All access to its inside is locked.
+    // SAFETY: not null, aligned, and a live world by the caller's word. All access to its inside is
+    // locked.
     Ok(unsafe { &*world })
 }
 
 /// A text.
 ///
 /// # Safety
-/// The pointer is null, or of bytes that end with a NUL and are not changed while the reference lives.
+/// The pointer is null, or of bytes that end with a NUL and are not changed while the reference
+/// lives.
 pub unsafe fn text<'a>(name: &str, text: *const c_char) -> Result<&'a str, Refusal> {
     check(name, text)?;
     // SAFETY: not null, and ends with a NUL by the caller's word.
@@ -56,7 +58,8 @@ pub unsafe fn slice<'a, T: Copy>(
             "{name}: {count} elements are more than there is memory"
         )));
     }
-    // SAFETY: not null, aligned, of a size that memory can have, and of so many elements by the caller's word.
+    // SAFETY: not null, aligned, of a size that memory can have, and of so many elements by the
+    // caller's word.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
@@ -82,7 +85,8 @@ pub unsafe fn array<T: Copy, const N: usize>(
 /// The pointer is null, or of room for one value that nobody else uses meanwhile.
 pub unsafe fn put<T>(name: &str, pointer: *mut T, value: T) -> Result<(), Refusal> {
     check(name, pointer)?;
-    // SAFETY: not null, aligned, and ours to write by the caller's word. What is there needs no drop: it is plain.
+    // SAFETY: not null, aligned, and ours to write by the caller's word. What is there needs no
+    // drop: it is plain.
     unsafe { pointer.write(value) };
     Ok(())
 }
@@ -102,8 +106,8 @@ pub unsafe fn fill<T: Copy>(
         return Ok(());
     }
     check(name, pointer)?;
-    // SAFETY: not null, aligned, room for as many by the caller's word; ours and theirs do not overlap, as nobody
-    // outside has a pointer to what is inside.
+    // SAFETY: not null, aligned, room for as many by the caller's word; ours and theirs do not
+    // overlap, as nobody outside has a pointer to what is inside.
     unsafe { pointer.copy_from_nonoverlapping(values.as_ptr(), values.len()) };
     Ok(())
 }

@@ -86,8 +86,8 @@ pub unsafe extern "C" fn thenar_world_step(
     })
 }
 
-/// Back to the start: time 0, bodies in their start states, scripts from the beginning. Settings stay, and so does who
-/// moves the hands.
+/// Back to the start: time 0, bodies in their start states, scripts from the beginning. Settings
+/// stay, and so does who moves the hands.
 ///
 /// # Safety
 /// `world` is NULL or a live handle.
@@ -102,8 +102,8 @@ pub unsafe extern "C" fn thenar_world_reset(world: *const World) -> Status {
     })
 }
 
-/// Simulated time since the start [s], time step [s], steps since the start, and a hash of every bit of the state, as
-/// recordings have it. What is not wanted is NULL.
+/// Simulated time since the start [s], time step [s], steps since the start, and a hash of every
+/// bit of the state, as recordings have it. What is not wanted is NULL.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; the others are NULL or have room for a number.
@@ -193,11 +193,12 @@ unsafe fn set(
     })
 }
 
-/// Everything that the next steps depend on, as bytes. `*count` gets how many there are; `state`, unless it is NULL, gets
-/// them, and `room` says how many it can take.
+/// Everything that the next steps depend on, as bytes. `*count` gets how many there are; `state`,
+/// unless it is NULL, gets them, and `room` says how many it can take.
 ///
 /// # Safety
-/// `world` is NULL or a live handle; `state` is NULL or has room for `room` bytes, `count` for a number.
+/// `world` is NULL or a live handle; `state` is NULL or has room for `room` bytes, `count` for a
+/// number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn thenar_world_state(
     world: *const World,

@@ -1,5 +1,5 @@
-//! Goal: the header that is committed is the one that the sources make, and a program in C that is built with it alone
-//! runs. Method: cbindgen again, and the machine's own `cc`.
+//! Goal: the header that is committed is the one that the sources make, and a program in C that is
+//! built with it alone runs. Method: cbindgen again, and the machine's own `cc`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -42,7 +42,8 @@ fn the_header_is_that_of_the_sources() {
     }
 }
 
-/// Builds a C file against the static library, with every warning an error, and returns the program.
+/// Builds a C file against the static library, with every warning an error, and returns the
+/// program.
 fn build(source: &str, name: &str) -> PathBuf {
     // It was built with this test, and lies beside it.
     let library = std::env::current_exe().expect("a place").with_file_name("libthenar_c.a");

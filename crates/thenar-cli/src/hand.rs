@@ -9,13 +9,16 @@ use thenar_rig::hand::{ListedJoint, NameMap, RigListing, rig_listing};
 use thenar_rig::{Model, default_hand, read_model};
 use thenar_scene::reference::hand_tables;
 
-/// List the bones, joints, ranges, poses, grips and tracked joints of a hand, or the joints of a rig.
+/// List the bones, joints, ranges, poses, grips and tracked joints of a hand, or the joints of a
+/// rig.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Print all tables, in Markdown; of a rig, which of its joints are a hand's, as a file for --joint-names.
+    /// Print all tables, in Markdown; of a rig, which of its joints are a hand's, as a file for
+    /// --joint-names.
     #[arg(long, required = true)]
     list: bool,
-    /// `right` or `left`, the built-in ones, a hand that `thenar build` made (.thenar), or a rig (.glb, .vrm).
+    /// `right` or `left`, the built-in ones, a hand that `thenar build` made (.thenar), or a rig
+    /// (.glb, .vrm).
     #[arg(value_name = "HAND", default_value = "right")]
     hand: String,
     /// Rig: the side to list, where it has both. Default: the right one.

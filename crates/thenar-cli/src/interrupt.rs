@@ -1,6 +1,7 @@
 //! Ctrl-C, and being asked to end by the system. Both stop all forces at once. A command that
 //! [listens](listen) ends after its present step, with what it has; a second time, or where none
-//! listens, the program ends at once, and leaves no unfinished file. A file that outgrows its bound ends nothing.
+//! listens, the program ends at once, and leaves no unfinished file. A file that outgrows its bound
+//! ends nothing.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -26,8 +27,9 @@ pub fn hear() {
     stop_on_panic();
 }
 
-/// A file that may grow no further (`ulimit -f`) is a full disk: whoever writes gets an error. The system would end the
-/// program, and drafts would stay. Programs that this one starts are ended as usual.
+/// A file that may grow no further (`ulimit -f`) is a full disk: whoever writes gets an error. The
+/// system would end the program, and drafts would stay. Programs that this one starts are ended as
+/// usual.
 #[cfg(unix)]
 fn outgrow() -> std::io::Result<()> {
     let unused = std::sync::Arc::default();
@@ -53,8 +55,8 @@ fn each_signal(heard: impl Fn() + Send + 'static) -> std::io::Result<()> {
     thread.spawn(move || signals.forever().for_each(|_| heard())).map(drop)
 }
 
-/// Does something while these signals wait: one that came between its handler and what the handler calls
-/// would be lost.
+/// Does something while these signals wait: one that came between its handler and what the handler
+/// calls would be lost.
 #[cfg(unix)]
 fn held_back<T>(signals: &[i32], act: impl FnOnce() -> T) -> std::io::Result<T> {
     use nix::sys::signal::{SigSet, Signal};
@@ -107,7 +109,8 @@ fn stop_on_panic() {
     }));
 }
 
-/// True once Ctrl-C was pressed, or nobody reads any more what is printed: there is nothing left to do.
+/// True once Ctrl-C was pressed, or nobody reads any more what is printed: there is nothing left to
+/// do.
 pub fn asked() -> bool {
     pressed() || UNREAD.load(Ordering::Relaxed)
 }

@@ -22,7 +22,8 @@ pub fn is_asked() -> bool {
         && arguments.next().is_none()
 }
 
-/// Keeps a device. What asks programs to end does not end this one: it ends with the program that it keeps for.
+/// Keeps a device. What asks programs to end does not end this one: it ends with the program that
+/// it keeps for.
 #[cfg(unix)]
 pub fn run() -> ExitCode {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};

@@ -1,4 +1,5 @@
-//! How far a command is: a bar on a terminal; elsewhere lines on the error output, ever more rarely.
+//! How far a command is: a bar on a terminal; elsewhere lines on the error output, ever more
+//! rarely.
 
 use crate::ticker::Ticker;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -7,7 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// After so long the first line comes, and after twice the time of each the next: an hour has twelve.
+/// After so long the first line comes, and after twice the time of each the next: an hour has
+/// twelve.
 const FIRST_LINE: Duration = Duration::from_secs(1);
 
 /// Tells how much of a work is done.

@@ -31,8 +31,8 @@ fn every_path_in_the_architecture_exists() {
     }
 }
 
-/// Who audits what pushes on a person reads one crate, and who audits what moves a hand another: neither may come to know
-/// scenes, devices or programs; nor may drivers come to know scenes.
+/// Who audits what pushes on a person reads one crate, and who audits what moves a hand another:
+/// neither may come to know scenes, devices or programs; nor may drivers come to know scenes.
 #[test]
 fn touch_tracking_and_drivers_know_only_what_is_below_them() {
     for (name, below) in [
@@ -61,8 +61,8 @@ fn dependencies(manifest: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Benchmarks against others are a workspace of their own, which nothing here builds: its lock file must know what the
-/// crates that it measures depend on, or its first build fails.
+/// Benchmarks against others are a workspace of their own, which nothing here builds: its lock file
+/// must know what the crates that it measures depend on, or its first build fails.
 #[test]
 fn the_lock_file_of_the_peers_knows_what_our_crates_need() {
     let lock = read("bench/peers/Cargo.lock");
@@ -90,7 +90,8 @@ fn anchor(heading: &str) -> String {
     words.chars().filter(kept).collect::<String>().replace(' ', "-")
 }
 
-/// All files under `folder` with this ending, paths from the root, without build output and what packages bring.
+/// All files under `folder` with this ending, paths from the root, without build output and what
+/// packages bring.
 fn files(folder: &str, ending: &str) -> Vec<String> {
     let skipped = ["target", "node_modules", "work", ".git", ".venv", "site", "dist"];
     let mut found = Vec::new();
@@ -194,6 +195,28 @@ fn generated(file: &str, text: &str, number: usize) -> bool {
     text.lines().position(|line| line == heading).is_some_and(|at| number > at)
 }
 
+/// True for a table, or a drawing or formula whose columns stand under each other.
+fn is_drawn(comment: &str) -> bool {
+    let words = comment.trim_start_matches(['/', '!']);
+    let text = words.trim();
+    text.starts_with('|') || words.starts_with("    ") || text.contains("  ")
+}
+
+#[test]
+fn comments_keep_to_their_columns() {
+    let mut wrong = Vec::new();
+    for file in files("crates", ".rs") {
+        for (i, line) in read(&file).lines().enumerate() {
+            let comment = line.trim();
+            let is_long = comment.starts_with("//") && line.chars().count() > 100;
+            if is_long && !is_drawn(comment) {
+                wrong.push(format!("{file}:{}", i + 1));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} lines are too long:\n{}", wrong.len(), wrong.join("\n"));
+}
+
 /// Turns of phrase that read as translated, each with what says it in English.
 const TRANSLATED: [(&str, &str); 7] = [
     ("told of", "reported"),
@@ -237,7 +260,8 @@ fn comments_of_documentation_avoid_what_reads_as_translated() {
     assert!(wrong.is_empty(), "{} comments:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Comments of documentation in lower case, each in one line, with the number of the line where it begins.
+/// Comments of documentation in lower case, each in one line, with the number of the line where it
+/// begins.
 fn comments(text: &str) -> Vec<(usize, String)> {
     let mut found: Vec<(usize, String)> = Vec::new();
     let mut goes_on = false;
@@ -305,7 +329,8 @@ fn the_table_of_formats_has_their_versions() {
     }
 }
 
-/// Words with which no comment of documentation begins: in a list of items it would stand without what they refer to.
+/// Words with which no comment of documentation begins: in a list of items it would stand without
+/// what they refer to.
 const REFERRING: [&str; 14] = [
     "Its ", "It ", "Of ", "These ", "Those ", "They ", "Their ", "The same", "Whether ", "Which ",
     "Who ", "Whose ", "and ", "And ",
@@ -410,8 +435,8 @@ fn a_release_waits_for_its_packages() {
     assert!(draft.contains(&"    needs: [build, packages]"), "{draft:?}");
 }
 
-/// Arguments of what names files in a source: macros that build them in, and paths of modules. Each with its place in the
-/// text.
+/// Arguments of what names files in a source: macros that build them in, and paths of modules. Each
+/// with its place in the text.
 fn named_files(text: &str) -> Vec<(usize, &str)> {
     let mut found = Vec::new();
     for start in ["include_str!(", "include_bytes!(", "include!(", "include_dir!("] {
@@ -430,7 +455,8 @@ fn named_files(text: &str) -> Vec<(usize, &str)> {
     found
 }
 
-/// True if a package of the crate at `folder` holds what `argument` names in `file`. Names that a macro inserts are left out.
+/// True if a package of the crate at `folder` holds what `argument` names in `file`. Names that a
+/// macro inserts are left out.
 fn is_packaged(folder: &str, file: &str, argument: &str) -> bool {
     if argument.contains("OUT_DIR") {
         return true; // made by the crate's build script
@@ -463,7 +489,8 @@ fn what_a_package_holds_is_seen_from_its_names() {
     assert!(!holds("\"../../tests/d.txt\""), "packages hold no tests");
 }
 
-/// Who takes one package has its licences: links to the texts of the whole, which become files when it is packaged.
+/// Who takes one package has its licences: links to the texts of the whole, which become files when
+/// it is packaged.
 #[test]
 fn published_crates_bring_their_licences() {
     for name in published() {
@@ -494,7 +521,8 @@ fn published_crates_build_in_only_files_of_their_own() {
             let text = read(&file);
             for (at, argument) in named_files(&text) {
                 seen += 1;
-                // With the attributes right above it: documentation and modules of tests are no part of the library.
+                // With the attributes right above it: documentation and modules of tests are no
+                // part of the library.
                 let line = text[..at].lines().count();
                 let above = text.lines().take(line).collect::<Vec<_>>();
                 let attributes = above.iter().rev().take_while(|l| l.trim().starts_with('#'));

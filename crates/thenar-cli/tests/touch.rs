@@ -1,6 +1,6 @@
 //! Goal: however the program ends, the wearer is let go. Method: a simulated glove behind a real
-//! terminal and a simulated arm behind a real socket, in this process; the program in another one, pushing
-//! firmly, is asked to end, interrupted, or killed outright.
+//! terminal and a simulated arm behind a real socket, in this process; the program in another one,
+//! pushing firmly, is asked to end, interrupted, or killed outright.
 #![cfg(unix)]
 
 use std::net::UdpSocket;
@@ -18,8 +18,8 @@ use thenar_link::twin::{PtyTwin, Twin};
 /// Longest that anything may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Bones alone; something pushes the index finger and the palm to and fro. An arm shows as much of it as a loose grip bears
-/// behind its delay.
+/// Bones alone; something pushes the index finger and the palm to and fro. An arm shows as much of
+/// it as a loose grip bears behind its delay.
 const SCENE: &str = r#"version = 1
 time_step = 0.01
 [[hand]]
@@ -120,8 +120,8 @@ fn ends_with_free_fingers(signal: &str) {
     until("free fingers", || glove.twin().felt() == [0.0; 5]);
 }
 
-/// What was felt before a stop is written down, and `thenar haptics replay` makes it again, bit for bit; a file that is none
-/// is refused.
+/// What was felt before a stop is written down, and `thenar haptics replay` makes it again, bit for
+/// bit; a file that is none is refused.
 #[test]
 fn an_incident_is_made_again() {
     let held = Held::new("incident");
@@ -198,8 +198,8 @@ impl Held {
     }
 }
 
-/// A glove without a watchdog is let go while the program is stopped, and again when it is killed after it went on. The
-/// port is free for the next program.
+/// A glove without a watchdog is let go while the program is stopped, and again when it is killed
+/// after it went on. The port is free for the next program.
 #[test]
 fn a_program_that_stands_still_or_is_killed_lets_a_glove_go() {
     let held = Held::new("keeper");
@@ -226,7 +226,8 @@ fn a_program_that_stands_still_or_is_killed_lets_a_glove_go() {
     drop(touch);
 }
 
-/// Without a keeper such a glove holds on, as its firmware has it: what lets it go above is the keeper.
+/// Without a keeper such a glove holds on, as its firmware has it: what lets it go above is the
+/// keeper.
 #[test]
 fn without_a_keeper_a_glove_holds_on() {
     let held = Held::new("no-keeper");
@@ -314,7 +315,8 @@ impl Tendons {
     }
 }
 
-/// Tendons behind a bridge without a watchdog are let go while the program is stopped, and when it is killed.
+/// Tendons behind a bridge without a watchdog are let go while the program is stopped, and when it
+/// is killed.
 #[test]
 fn a_program_that_stands_still_or_is_killed_lets_tendons_go() {
     let folder = Folder::new("keeper-tendons");
@@ -380,7 +382,8 @@ impl Drop for Arm {
     }
 }
 
-/// Nothing is said by a program that is killed; the bridge's watchdog lets go, as every device should.
+/// Nothing is said by a program that is killed; the bridge's watchdog lets go, as every device
+/// should.
 #[test]
 fn a_program_that_is_killed_leaves_the_devices_watchdog() {
     let folder = Folder::new("kill");

@@ -41,8 +41,8 @@ pub mod kinematics {
 }
 
 /// The kernels of a step, one by one: benches time them, `thenar validate` holds them against
-/// differences of energies, probes measure stress by them, and touch resolves contact and couplings by them. Stepping a
-/// world needs none of them.
+/// differences of energies, probes measure stress by them, and touch resolves contact and couplings
+/// by them. Stepping a world needs none of them.
 pub mod kernels {
     pub use crate::contact::{
         Detector, HeldPlace, Reach, RigidPlace, SeenSide, SeenSides, Site, SurfaceState,

@@ -79,8 +79,8 @@ impl std::ops::Mul for Pose {
     }
 }
 
-/// Lengths of rotations are off by less than this. Steps make them of length one to a few roundings, 1e-14; the rest
-/// is for what descriptions and files bring along.
+/// Lengths of rotations are off by less than this. Steps make them of length one to a few
+/// roundings, 1e-14; the rest is for what descriptions and files bring along.
 pub(crate) const ROTATION_OFF: f64 = 1e-9;
 
 /// True for a rotation of length one.
@@ -88,8 +88,8 @@ pub(crate) fn is_turn(rotation: &Quat) -> bool {
     (rotation.coords.norm() - 1.0).abs() <= ROTATION_OFF
 }
 
-/// A rotation as it is where its length is one, brought to that where it is another; `None` for what says nothing of a
-/// direction.
+/// A rotation as it is where its length is one, brought to that where it is another; `None` for
+/// what says nothing of a direction.
 pub(crate) fn to_turn(rotation: &Quat) -> Option<Quat> {
     if is_turn(rotation) {
         return Some(*rotation);

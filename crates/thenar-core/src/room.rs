@@ -1,5 +1,5 @@
-//! Lists whose copies have as much room: what a cloned world adds to them in a step allocates no more than in the world that
-//! it was cloned from.
+//! Lists whose copies have as much room: what a cloned world adds to them in a step allocates no
+//! more than in the world that it was cloned from.
 
 use std::ops::{Deref, DerefMut};
 

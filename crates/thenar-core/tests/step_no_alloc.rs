@@ -1,5 +1,6 @@
-//! Goal: a step allocates nothing, nor does reading its contacts, by taxels too. Method: a global allocator that counts, around steps of a soft
-//! finger that falls on a plane, is pressed, and touches a soft block and a box.
+//! Goal: a step allocates nothing, nor does reading its contacts, by taxels too. Method: a global
+//! allocator that counts, around steps of a soft finger that falls on a plane, is pressed, and
+//! touches a soft block and a box.
 
 mod common;
 

@@ -57,8 +57,8 @@ impl From<InputError> for io::Error {
     }
 }
 
-/// The bytes of a plain file of at most `bytes_max` bytes, or of what was piped into the program (see
-/// [`open_plain`]).
+/// The bytes of a plain file of at most `bytes_max` bytes, or of what was piped into the program
+/// (see [`open_plain`]).
 ///
 /// # Errors
 /// See [`InputError`].
@@ -67,7 +67,8 @@ pub fn read(path: impl AsRef<Path>, bytes_max: u64) -> Result<Vec<u8>, InputErro
     if size.is_some_and(|size| size > bytes_max) {
         return Err(InputError::TooLarge { bytes_max });
     }
-    // What says that it is empty is not asked for more: some files of the system (`/proc/kmsg`) then wait.
+    // What says that it is empty is not asked for more: some files of the system (`/proc/kmsg`)
+    // then wait.
     let most = size.map_or(bytes_max + 1, |size| size.saturating_add(1).min(bytes_max + 1));
     let mut bytes = Vec::new();
     if most > 1 || size.is_none() {
@@ -88,8 +89,8 @@ pub fn read_text(path: impl AsRef<Path>, bytes_max: u64) -> Result<String, Input
         .map_err(|error| InputError::NotText { offset: error.utf8_error().valid_up_to() })
 }
 
-/// Opens a plain file, and its size \[bytes\]. A pipe is opened, without a size, only where a shell hands it
-/// to the program: `/dev/stdin` and `/dev/fd/N`, as in `program | thenar run /dev/stdin`.
+/// Opens a plain file, and its size \[bytes\]. A pipe is opened, without a size, only where a shell
+/// hands it to the program: `/dev/stdin` and `/dev/fd/N`, as in `program | thenar run /dev/stdin`.
 ///
 /// # Errors
 /// The system refuses, or something else is there: a folder, a pipe, a socket, a device.
@@ -211,7 +212,8 @@ mod tests {
         std::fs::remove_dir_all(folder).unwrap();
     }
 
-    /// A file of the system that says that it has no bytes and gives some, or makes its reader wait.
+    /// A file of the system that says that it has no bytes and gives some, or makes its reader
+    /// wait.
     #[cfg(target_os = "linux")]
     #[test]
     fn files_without_a_size_are_empty() {

@@ -1,7 +1,8 @@
 //! Input from users: files, read up to a bound, and text, quoted in messages up to one.
 //!
-//! Every file that a user names is read through this crate. It opens plain files only, so that a pipe, a
-//! device or a folder gives an error instead of a wait without end, and reads no more than it was told it may.
+//! Every file that a user names is read through this crate. It opens plain files only, so that a
+//! pipe, a device or a folder gives an error instead of a wait without end, and reads no more than
+//! it was told it may.
 
 mod file;
 mod text;

@@ -6,8 +6,8 @@ const WORD_MAX: usize = 80;
 const HEAD: usize = 600;
 const TAIL: usize = 400;
 
-/// A word in quotation marks, for a message: control characters escaped; of a long one the beginning, and how
-/// long it is.
+/// A word in quotation marks, for a message: control characters escaped; of a long one the
+/// beginning, and how long it is.
 pub fn quoted(word: &str) -> String {
     match word.char_indices().nth(WORD_MAX) {
         None => format!("{word:?}"),
@@ -15,8 +15,9 @@ pub fn quoted(word: &str) -> String {
     }
 }
 
-/// A text in which nothing acts on a terminal or hides: line breaks, control characters and those that turn the
-/// direction of writing are escaped as in [`quoted`]; quotation marks and backslashes stay.
+/// A text in which nothing acts on a terminal or hides: line breaks, control characters and those
+/// that turn the direction of writing are escaped as in [`quoted`]; quotation marks and backslashes
+/// stay.
 pub fn visible(text: &str) -> String {
     let kept = ['"', '\'', '\\'];
     let mut shown = String::with_capacity(text.len());
@@ -28,8 +29,8 @@ pub fn visible(text: &str) -> String {
     shown
 }
 
-/// A message on one line of [`visible`] characters, with its middle left out if it is long: the beginning
-/// names the file and the place, the end the cause.
+/// A message on one line of [`visible`] characters, with its middle left out if it is long: the
+/// beginning names the file and the place, the end the cause.
 pub fn brief(message: &str) -> String {
     let message = &visible(message);
     let Some((head, _)) = message.char_indices().nth(HEAD + TAIL) else { return message.into() };

@@ -1,8 +1,9 @@
 //! A bridge between Thenar and a CyberGrasp: the small program that owns the maker's library.
 //!
-//! `cargo run -p thenar-link --example cybergrasp_bridge [HOST:PORT]`, by default 127.0.0.1:7070; `thenar touch` and
-//! `thenar serve` reach it by `--device cybergrasp:HOST:PORT?side=right`. This one has no library: it prints what each
-//! tendon would pull. Put the maker's call into [`Printed::pull`].
+//! `cargo run -p thenar-link --example cybergrasp_bridge [HOST:PORT]`, by default 127.0.0.1:7070;
+//! `thenar touch` and `thenar serve` reach it by `--device cybergrasp:HOST:PORT?side=right`. This
+//! one has no library: it prints what each tendon would pull. Put the maker's call into
+//! [`Printed::pull`].
 
 use std::io::{self, Write};
 use std::net::TcpListener;
@@ -19,8 +20,9 @@ pub struct Printed<W> {
 
 impl<W: Write> GraspUnit for Printed<W> {
     fn pull(&mut self, forces: [f64; 5]) -> io::Result<()> {
-        // Forces are between 0 and 12 N here, whatever came over the network, and zero after 20 ms without a command.
-        // The maker's call belongs here; it must return within a millisecond, and its failure ends the bridge.
+        // Forces are between 0 and 12 N here, whatever came over the network, and zero after 20 ms
+        // without a command. The maker's call belongs here; it must return within a millisecond,
+        // and its failure ends the bridge.
         let hundredths = forces.map(|force| (100.0 * force).round() as i32);
         if self.last.replace(hundredths) != Some(hundredths) {
             let [thumb, index, middle, ring, little] = forces;

@@ -392,8 +392,8 @@ mod tests {
         assert_eq!(either.latest(Side::Right).unwrap().pose, None);
     }
 
-    /// A sample of tomorrow held all later ones up; a clock put back for good does no more harm than
-    /// half a second with the spare.
+    /// A sample of tomorrow held all later ones up; a clock put back for good does no more harm
+    /// than half a second with the spare.
     #[test]
     fn a_clock_that_jumps_by_a_day_is_followed() {
         const DAY_MS: i64 = 86_400_000;

@@ -38,8 +38,8 @@ pub struct Planned {
     pub fault: Fault,
 }
 
-/// Faults of these kinds in turn, at random times and for random whiles: 20 ms to 600 ms each, 0.3 s
-/// to 1.5 s apart. The same seed gives the same plan.
+/// Faults of these kinds in turn, at random times and for random whiles: 20 ms to 600 ms each, 0.3
+/// s to 1.5 s apart. The same seed gives the same plan.
 pub fn plan(seed: u64, duration_ns: u64) -> Vec<Planned> {
     let mut random = Random::new(seed);
     let mut random = || random.unit();

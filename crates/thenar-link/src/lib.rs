@@ -1,8 +1,8 @@
 //! The outside of touch: trackers that tell where a hand is, and force displays that let it feel.
 //!
-//! A device is a [`Protocol`] over a [`Transport`]. The protocol is pure: bytes in, poses out; forces
-//! in, bytes out; time is an argument. The transport moves bytes and knows nothing of what they
-//! mean. Whatever a device sends, garbage included, only ever becomes poses, notes or nothing.
+//! A device is a [`Protocol`] over a [`Transport`]. The protocol is pure: bytes in, poses out;
+//! forces in, bytes out; time is an argument. The transport moves bytes and knows nothing of what
+//! they mean. Whatever a device sends, garbage included, only ever becomes poses, notes or nothing.
 //!
 //! Programs see neither, but [`Tracker`] and [`ForceDisplay`], which a [`Driver`] finds and opens.
 //! Both only exchange newest values with the device's own thread, so that the haptic loop calls

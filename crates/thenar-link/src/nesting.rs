@@ -1,14 +1,15 @@
-//! Devices that name other devices: the wrist of a glove, the choices of `either:`, what `fault:` spoils.
+//! Devices that name other devices: the wrist of a glove, the choices of `either:`, what `fault:`
+//! spoils.
 //!
-//! Such a device opens those that it names while it is opened itself. Addresses and profiles can be of any
-//! length and can lead back to where they began: how deep, and how many, is bounded here.
+//! Such a device opens those that it names while it is opened itself. Addresses and profiles can be
+//! of any length and can lead back to where they began: how deep, and how many, is bounded here.
 
 use crate::LinkError;
 use std::cell::RefCell;
 use thenar_input::quoted;
 
-/// Most devices one inside another. Each kind that names others makes sense once: a fault before a choice of
-/// gloves on wrists of their own is four. Twice that is more than anybody has.
+/// Most devices one inside another. Each kind that names others makes sense once: a fault before a
+/// choice of gloves on wrists of their own is four. Twice that is more than anybody has.
 pub const DEPTH_MAX: usize = 8;
 /// Most devices for one address: a choice of choices, both full (`either:` takes 8), is 73.
 pub const COUNT_MAX: usize = 80;

@@ -9,9 +9,9 @@ use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
 use thenar_track::tracker_clock::TrackerClock;
 
-/// Adds a tracker for the wrist to a glove, if profile or address name one. The profile's wrist pose
-/// is where the wrist is in the frame of the tracker's wrist, if the profile names a tracker; else
-/// it is a place in the world, and means nothing for a wrist that is tracked.
+/// Adds a tracker for the wrist to a glove, if profile or address name one. The profile's wrist
+/// pose is where the wrist is in the frame of the tracker's wrist, if the profile names a tracker;
+/// else it is a place in the world, and means nothing for a wrist that is tracked.
 ///
 /// # Errors
 /// The tracker cannot be opened, is the glove itself, or tracks nothing.

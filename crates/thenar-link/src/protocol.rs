@@ -50,14 +50,15 @@ pub trait Protocol: Send {
         let _ = (now_ns, output, event, send);
     }
 
-    /// True if the device holds one hand and does not know which: it shows the one that presses first.
+    /// True if the device holds one hand and does not know which: it shows the one that presses
+    /// first.
     fn holds_one_hand(&self) -> bool {
         false
     }
 
-    /// The one message that sets the device free, whatever came before it and however often it comes: what a
-    /// [keeper](crate::keeper) sends when this program cannot. None, the default, for a device that holds nobody. At most
-    /// 255 bytes.
+    /// The one message that sets the device free, whatever came before it and however often it
+    /// comes: what a [keeper](crate::keeper) sends when this program cannot. None, the default, for
+    /// a device that holds nobody. At most 255 bytes.
     fn release(&self, send: &mut dyn FnMut(&[u8])) {
         let _ = send;
     }
@@ -79,7 +80,8 @@ pub trait Transport: Send {
     /// that takes nothing is lost.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// A second handle of what the bytes go through, for a keeper; `None` where there is none to hand over.
+    /// A second handle of what the bytes go through, for a keeper; `None` where there is none to
+    /// hand over.
     ///
     /// # Errors
     /// The system gives none.

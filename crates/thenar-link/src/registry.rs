@@ -32,8 +32,8 @@ pub fn drivers() -> Vec<Box<dyn Driver>> {
 /// Opens `name:address`, such as `lucidgloves:/dev/ttyUSB0`.
 ///
 /// # Errors
-/// There is no such driver, it cannot open the address, or the address names too many devices one inside
-/// another (`nesting`).
+/// There is no such driver, it cannot open the address, or the address names too many devices one
+/// inside another (`nesting`).
 pub fn open(address: &str) -> Result<Opened, LinkError> {
     let _nested = nesting::enter(address)?;
     let (name, rest) = address.split_once(':').unwrap_or((address, ""));

@@ -14,8 +14,8 @@
 //! | a folder, a block device, a socket | refused |
 //! | an input of this command, the target of another output | refused |
 //!
-//! A program that is asked to end calls [`seal`], which removes what is unfinished. A [`Lock`] keeps two processes
-//! from writing the same outputs at a time.
+//! A program that is asked to end calls [`seal`], which removes what is unfinished. A [`Lock`]
+//! keeps two processes from writing the same outputs at a time.
 
 mod claim;
 mod error;

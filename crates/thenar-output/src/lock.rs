@@ -4,9 +4,9 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// A lock file that is held, with the number of this process in it. The system lets go of it when it is dropped and
-/// when the process ends, however that ends, so that no lock is left of a process that was killed: its file is, and
-/// is taken over.
+/// A lock file that is held, with the number of this process in it. The system lets go of it when
+/// it is dropped and when the process ends, however that ends, so that no lock is left of a process
+/// that was killed: its file is, and is taken over.
 #[derive(Debug)]
 pub struct Lock {
     _file: File,

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::time::Duration;
 
-/// The reader of a pipe is often started together with us: this is the number of turns in which we wait for it.
+/// The reader of a pipe is often started together with us: this is the number of turns in which we
+/// wait for it.
 #[cfg(unix)]
 const READER_TURNS: u32 = 100;
 /// One of these turns.

@@ -1,5 +1,5 @@
-//! Goal: what is unfinished when the process is asked to end is removed, and nothing else. Method: this
-//! file holds one test, as nothing can be written in its process afterwards.
+//! Goal: what is unfinished when the process is asked to end is removed, and nothing else. Method:
+//! this file holds one test, as nothing can be written in its process afterwards.
 
 use std::fs;
 use std::io::Write;

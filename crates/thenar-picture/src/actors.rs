@@ -36,6 +36,7 @@ pub struct Soft<'a> {
 pub struct Rigid<'a> {
     /// Colour, if one was chosen.
     pub colour: Option<Rgb>,
-    /// A mesh in the body's frame \[m\], finer than the contact shape, and the colours of its parts.
+    /// A mesh in the body's frame \[m\], finer than the contact shape, and the colours of its
+    /// parts.
     pub mesh: Option<(&'a TriMesh, &'a [Paint])>,
 }

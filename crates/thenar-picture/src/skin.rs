@@ -1,4 +1,5 @@
-//! How skin looks from place to place: blood under it, creases, fingernails. The page draws the same, with finer grain.
+//! How skin looks from place to place: blood under it, creases, fingernails. The page draws the
+//! same, with finer grain.
 
 use super::V;
 use super::normals::smooth;
@@ -24,10 +25,11 @@ impl Default for SkinSite {
     }
 }
 
-/// Half width and half length of nails, the thumb's and a finger's, of the length of a hand: 6.4, 6.8, 4.6 and 5.4 mm of
-/// 190.
+/// Half width and half length of nails, the thumb's and a finger's, of the length of a hand: 6.4,
+/// 6.8, 4.6 and 5.4 mm of 190.
 const NAILS: [[f64; 2]; 2] = [[6.4 / 190.0, 6.8 / 190.0], [4.6 / 190.0, 5.4 / 190.0]];
-/// Below the middle of the bone by so much, of the length of a hand, skin is twice as far off the nail: 1 mm of 190.
+/// Below the middle of the bone by so much, of the length of a hand, skin is twice as far off the
+/// nail: 1 mm of 190.
 const PLANE: f64 = 1.0 / 190.0;
 /// Rounds in which curvature is smoothed.
 const SMOOTHINGS: usize = 12;
@@ -61,7 +63,8 @@ fn half(bone: &Bone) -> f64 {
     0.5 * (bone.ends_B[0].z - bone.ends_B[1].z).abs()
 }
 
-/// Bones run along -z, their backs look to +y: fingertips and knuckles are red, the palm more than the back.
+/// Bones run along -z, their backs look to +y: fingertips and knuckles are red, the palm more than
+/// the back.
 fn blood(hand: &HandModel, b: usize, p: &Vec3) -> f32 {
     let bone = &hand.bones[b];
     let along = if half(bone) > 0.0 { (-p.z / half(bone)) as f32 } else { 0.0 };
@@ -79,8 +82,8 @@ fn blood(hand: &HandModel, b: usize, p: &Vec3) -> f32 {
     blood + if back { 0.0 } else { 0.14 }
 }
 
-/// Place on the plane of a digit's nail. Vertices off the nail are far from its middle, in the direction in which they are:
-/// between two of them no triangle crosses the nail.
+/// Place on the plane of a digit's nail. Vertices off the nail are far from its middle, in the
+/// direction in which they are: between two of them no triangle crosses the nail.
 fn nail(hand: &HandModel, digit: Digit, p_M: &Vec3) -> [f32; 2] {
     let last = hand.bones.iter().rfind(|bone| bone.digit == digit && digit != Digit::Palm);
     let Some(bone) = last else { return SkinSite::default().nail };
@@ -91,7 +94,8 @@ fn nail(hand: &HandModel, digit: Digit, p_M: &Vec3) -> [f32; 2] {
     [(off * p.x / wide) as f32, (off * along / long) as f32]
 }
 
-/// Mean curvature \[1/m\] from how normals turn along edges, smoothed; positive where the surface is convex.
+/// Mean curvature \[1/m\] from how normals turn along edges, smoothed; positive where the surface
+/// is convex.
 fn curvature(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
     let normals = smooth(positions, triangles);
     let mut around = vec![Vec::new(); positions.len()];

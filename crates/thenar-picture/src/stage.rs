@@ -171,8 +171,9 @@ impl Stage<'_> {
         }
     }
 
-    /// The part of the skin that something presses on, in the colours of the pressure up to `most` \[Pa\]: seen from
-    /// both sides, and in front of what it has sunk into. Nothing without pressure.
+    /// The part of the skin that something presses on, in the colours of the pressure up to `most`
+    /// \[Pa\]: seen from both sides, and in front of what it has sunk into. Nothing without
+    /// pressure.
     fn loaded_skin(
         &self,
         soft: &Soft,

@@ -296,8 +296,8 @@ fn what_was_built_is_drawn() {
     assert!(dark(&lines) > 100 + dark(&whole), "{} {}", dark(&lines), dark(&whole));
 }
 
-/// A hand that rests on a table beside a green cube of flesh: its pressure shows, through the hand, and the cube keeps
-/// its colour.
+/// A hand that rests on a table beside a green cube of flesh: its pressure shows, through the hand,
+/// and the cube keeps its colour.
 #[test]
 fn pressure_shows_on_the_hand_alone() {
     use thenar_scene::session::Session;

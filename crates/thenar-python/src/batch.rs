@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::scope;
 
-/// Makes `n` steps of each world on `threads` threads. All worlds are taken first: when another thread has one
-/// of them, or one is in the list twice, none is stepped.
+/// Makes `n` steps of each world on `threads` threads. All worlds are taken first: when another
+/// thread has one of them, or one is in the list twice, none is stepped.
 #[pyfunction]
 pub fn step_all(
     py: Python<'_>,

@@ -26,8 +26,8 @@ pub enum Cell {
 /// Name, unit and cell.
 type Named = (String, &'static str, Cell);
 
-/// Runs a scene for so long, or for its own duration, and returns why it failed, or `None`, and the row.
-/// Other Python threads run meanwhile; Ctrl-C ends it between two steps.
+/// Runs a scene for so long, or for its own duration, and returns why it failed, or `None`, and the
+/// row. Other Python threads run meanwhile; Ctrl-C ends it between two steps.
 #[pyfunction]
 pub fn run_case(
     py: Python<'_>,

@@ -1,9 +1,10 @@
 //! Thenar for Python: the native half of the package, `thenar._thenar`.
 //!
-//! Sessions live behind a lock here; what Python reads of them are `bytes`, which nothing changes any more,
-//! and which the Python half (`python/thenar`) shows as arrays without another copy. No memory that a step
-//! writes is ever seen from Python, so no code here is unsafe. Numbers go in as `bytes` too: little rows of
-//! `f64` in the machine's order, whose shapes the Python half has checked.
+//! Sessions live behind a lock here; what Python reads of them are `bytes`, which nothing changes
+//! any more, and which the Python half (`python/thenar`) shows as arrays without another copy. No
+//! memory that a step writes is ever seen from Python, so no code here is unsafe. Numbers go in as
+//! `bytes` too: little rows of `f64` in the machine's order, whose shapes the Python half has
+//! checked.
 #![cfg(feature = "extension")]
 
 mod batch;

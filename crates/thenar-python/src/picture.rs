@@ -11,8 +11,8 @@ use thenar_scene::session::Session;
 /// Largest width and height \[px\], as of the program.
 const SIZE_MAX: u32 = 8192;
 
-/// For eyes of learners, who look at small pictures very often: no ambient occlusion, a coarse shadow, and no threads,
-/// as many such worlds run side by side.
+/// For eyes of learners, who look at small pictures very often: no ambient occlusion, a coarse
+/// shadow, and no threads, as many such worlds run side by side.
 const QUICK: Quality = Quality { samples: 4, shadow_map: 256, ambient_directions: 0, threads: 1 };
 
 /// Content of a picture, and the eye that sees it.
@@ -24,7 +24,8 @@ pub struct PictureSpec {
 }
 
 impl PictureSpec {
-    /// Checks what is wanted. `camera`: place of the eye, place looked at \[m\] and field of view \[deg\].
+    /// Checks what is wanted. `camera`: place of the eye, place looked at \[m\] and field of view
+    /// \[deg\].
     ///
     /// # Errors
     /// The size is none, there is no such layer, or the camera sees nothing.

@@ -143,8 +143,9 @@ fn bones(session: &Session, hand: usize) -> std::ops::Range<u32> {
 /// Numbers of a record of loads.
 const LOAD: usize = 16;
 
-/// For palm, thumb, index, middle, ring and little finger: normal \[N\], shear \[N\], area \[m²\], pressure
-/// \[Pa\]; force on it \[N\], its centre \[m\], force \[N\] and torque \[N m\] on its bones.
+/// For palm, thumb, index, middle, ring and little finger: normal \[N\], shear \[N\], area \[m²\],
+/// pressure \[Pa\]; force on it \[N\], its centre \[m\], force \[N\] and torque \[N m\] on its
+/// bones.
 fn loads(session: &Session, readout: &ContactReadout, hand: usize) -> Vec<f64> {
     let parts = session.hands()[hand].flesh().map_or(&[][..], |soft| readout.parts(soft));
     let none = PartContact::default();
@@ -162,7 +163,8 @@ fn loads(session: &Session, readout: &ContactReadout, hand: usize) -> Vec<f64> {
 /// Bytes of a contact's record.
 const CONTACT: usize = 8 * 18;
 
-/// Contact points, a record for each: bodies and vertices as `i32`, then numbers, then whether it slips.
+/// Contact points, a record for each: bodies and vertices as `i32`, then numbers, then whether it
+/// slips.
 fn contacts(world: &World) -> Vec<u8> {
     let rigids = world.desc().rigids.len();
     let body = |body: BodyId| match body {

@@ -31,8 +31,8 @@ fn header() -> Header {
 }
 
 impl Writing {
-    /// Begins a file, which must not be there yet. `keyframes`: simulated time between keyframes \[s\], 0
-    /// for none.
+    /// Begins a file, which must not be there yet. `keyframes`: simulated time between keyframes
+    /// \[s\], 0 for none.
     ///
     /// # Errors
     /// The file is there, or cannot be written; `keyframes` makes no sense.
@@ -48,7 +48,8 @@ impl Writing {
         Ok((Self { recorder, _claim: claim }, Box::new(tape)))
     }
 
-    /// Ends it; its size \[bytes\]. The file's name is free then: a file that is there is not written over.
+    /// Ends it; its size \[bytes\]. The file's name is free then: a file that is there is not
+    /// written over.
     ///
     /// # Errors
     /// Not all of it could be written.

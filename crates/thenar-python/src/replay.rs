@@ -20,8 +20,8 @@ struct Making {
     read: bool,
 }
 
-/// A step of a recording: time in it [s], number of its scene, steps since that began, hash of the state after
-/// it, whether that is the hash that was recorded (None: there was none).
+/// A step of a recording: time in it [s], number of its scene, steps since that began, hash of the
+/// state after it, whether that is the hash that was recorded (None: there was none).
 type Step = (f64, u32, u64, u64, Option<bool>);
 
 /// A recording being made again, behind a lock like a world.

@@ -12,7 +12,8 @@ use thenar_scene::build::BuiltHand;
 use thenar_scene::session::Session;
 use thenar_scene::taxels::{Layout, TaxelPatch, layout, on_bone};
 
-/// Most taxels on one hand: more than any skin that is built, and few enough to be read in each step.
+/// Most taxels on one hand: more than any skin that is built, and few enough to be read in each
+/// step.
 const TAXELS_MAX: usize = 100_000;
 
 /// Taxels of one hand, in patches.
@@ -99,7 +100,8 @@ impl Taxels {
         })
     }
 
-    /// Readings of the taxels, 22 numbers each; then a row more, whose first three are the force that none feels.
+    /// Readings of the taxels, 22 numbers each; then a row more, whose first three are the force
+    /// that none feels.
     ///
     /// # Errors
     /// The taxels are another world's.

@@ -176,7 +176,8 @@ impl World {
         })
     }
 
-    /// Taxels where bones' skin is nearest to points: names of bones, and rows of points in their frames.
+    /// Taxels where bones' skin is nearest to points: names of bones, and rows of points in their
+    /// frames.
     fn taxels_at(
         &self,
         hand: usize,
@@ -263,8 +264,8 @@ impl World {
         self.follow(hand, &LivePose::Angles { wrist: pose(&wrist), angles }, time)
     }
 
-    /// Twenty angles with which a hand's pads come to places (thumb first; a place that is not finite is none), with the
-    /// wrist there, and how far each pad ends from its place [m].
+    /// Twenty angles with which a hand's pads come to places (thumb first; a place that is not
+    /// finite is none), with the wrist there, and how far each pad ends from its place [m].
     fn reaching<'py>(
         &self,
         py: Python<'py>,
@@ -301,7 +302,8 @@ impl World {
         })
     }
 
-    /// Lets a hand grip a body, or where none is named the nearest one under its pads; returns the body's name.
+    /// Lets a hand grip a body, or where none is named the nearest one under its pads; returns the
+    /// body's name.
     fn grip(
         &self,
         hand: usize,

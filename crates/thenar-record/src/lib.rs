@@ -6,9 +6,10 @@
 //! nothing, makes no system call and never waits. Where the disk is too slow the ring fills, what
 //! comes then is counted and dropped, and a gap frame says so in the file.
 //!
-//! A file that was cut off, by `kill -9` or a full disk, is read up to the cut. Where one was damaged
-//! within, reading goes on at the next frame that can be trusted: see [`Frames`]. This crate knows nothing of simulations; what a session writes is in
-//! `thenar-scene`, the bytes of all of it are in `docs/recording.md`.
+//! A file that was cut off, by `kill -9` or a full disk, is read up to the cut. Where one was
+//! damaged within, reading goes on at the next frame that can be trusted: see [`Frames`]. This
+//! crate knows nothing of simulations; what a session writes is in `thenar-scene`, the bytes of all
+//! of it are in `docs/recording.md`.
 
 mod channel;
 mod clock;

@@ -71,8 +71,8 @@ impl FramePlace {
     }
 }
 
-/// The frames of a recording, one after another. Every one of them was written as it is, after those
-/// before it; what is damaged is left out.
+/// The frames of a recording, one after another. Every one of them was written as it is, after
+/// those before it; what is damaged is left out.
 #[derive(Debug)]
 pub struct Frames<R> {
     input: R,
@@ -256,8 +256,9 @@ impl<R: Read + Seek> Frames<R> {
         });
     }
 
-    /// Looks at the frames after the one that [`Frames::next`] gave last, up to one for which `look`
-    /// gives something or up to damage. [`Frames::next`] goes on as if nothing had been looked at.
+    /// Looks at the frames after the one that [`Frames::next`] gave last, up to one for which
+    /// `look` gives something or up to damage. [`Frames::next`] goes on as if nothing had been
+    /// looked at.
     ///
     /// # Errors
     /// Reading fails.

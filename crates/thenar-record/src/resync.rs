@@ -22,7 +22,8 @@ const FRAME_BYTES_MIN: usize = HEAD_BYTES + PAYLOAD_BYTES_MIN;
 #[derive(Clone, Debug, Default)]
 pub struct Newest(BTreeMap<u32, u64>);
 
-/// Source whose time a frame carries: 0 the session, else a channel. `None` where times say nothing.
+/// Source whose time a frame carries: 0 the session, else a channel. `None` where times say
+/// nothing.
 fn source(frame: &Frame) -> Option<u32> {
     match frame.kind? {
         FrameKind::Scene | FrameKind::Input | FrameKind::Step | FrameKind::Keyframe => Some(0),

@@ -161,7 +161,8 @@ impl LateTracker {
 mod tests {
     use super::*;
 
-    /// Whatever the loop shows, the glove pulls what a device would: finite, within its rating and its slew.
+    /// Whatever the loop shows, the glove pulls what a device would: finite, within its rating and
+    /// its slew.
     #[test]
     fn the_glove_stands_behind_a_door() {
         let (ends, _, mut display) = pair(TrackerTiming::GLOVE, Limits::cybergrasp());

@@ -23,8 +23,8 @@ pub struct Led {
 }
 
 impl Led {
-    /// With a tracker of this timing, which the loop knows, and without a display: what is felt is what the couplings
-    /// would have the wearer feel.
+    /// With a tracker of this timing, which the loop knows, and without a display: what is felt is
+    /// what the couplings would have the wearer feel.
     ///
     /// # Errors
     /// The scene has no hand that could be felt.
@@ -45,7 +45,8 @@ impl Led {
         &self.stage
     }
 
-    /// One millisecond in which the hand is there; one that is not seen is `None`. `stalled` as for [`Stage::tick`].
+    /// One millisecond in which the hand is there; one that is not seen is `None`. `stalled` as for
+    /// [`Stage::tick`].
     ///
     /// # Errors
     /// The hand cannot be felt any more.
@@ -70,8 +71,8 @@ impl Led {
         })
     }
 
-    /// Power given to the wearer by what is felt of all couplings in the last tick, at the speeds at which the loop leads the
-    /// bones \[W\].
+    /// Power given to the wearer by what is felt of all couplings in the last tick, at the speeds
+    /// at which the loop leads the bones \[W\].
     pub fn power(&self) -> f64 {
         self.stage.hand(|hand| {
             let touch = hand.touch();

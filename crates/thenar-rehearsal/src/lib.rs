@@ -1,5 +1,5 @@
-//! Touch rehearsed: the product's own loop between a wearer, a tracker and a glove that do not exist, on a clock that
-//! is counted and not read.
+//! Touch rehearsed: the product's own loop between a wearer, a tracker and a glove that do not
+//! exist, on a clock that is counted and not read.
 //!
 //! ```text
 //!  command ─[k, b]─ finger m ──► tracker: HZ, DELAY, NOISE ──► the loop (`ManualLoop`) ──► glove
@@ -7,10 +7,10 @@
 //!                      └──────────────────── force on the pad ◄──────────────────────────────┘
 //! ```
 //!
-//! The wearer does what the scene's script does, with five fingers that give way to what they feel; then the fingers
-//! close a little more, the command stands still, each finger is pushed once, and what is left of that is looked at. Or
-//! the command goes on to press and let go: then what a finger was given is held against what its damper took up.
-//! The same request gives the same bits.
+//! The wearer does what the scene's script does, with five fingers that give way to what they feel;
+//! then the fingers close a little more, the command stands still, each finger is pushed once, and
+//! what is left of that is looked at. Or the command goes on to press and let go: then what a
+//! finger was given is held against what its damper took up. The same request gives the same bits.
 
 mod glove;
 mod led;
@@ -50,8 +50,9 @@ const PRESSING: f64 = 0.5;
 const PUSH: (f64, u64) = (0.5, 50);
 /// What is looked at, at the end \[ms\].
 const WINDOW: u64 = 1000;
-/// To measure how stiff fingers are felt they close by this much more \[m\] within a time, and then are looked at after
-/// another, for as long as before \[ms\]: so slowly that delays and dampers have no part in it.
+/// To measure how stiff fingers are felt they close by this much more \[m\] within a time, and then
+/// are looked at after another, for as long as before \[ms\]: so slowly that delays and dampers
+/// have no part in it.
 const PROBE: f64 = 1e-3;
 const PROBING: [u64; 2] = [250, 1000];
 
@@ -113,8 +114,9 @@ pub struct Felt {
     pub given: f64,
     /// The most that was given to it on balance since its command stood still \[J\].
     pub given_max: f64,
-    /// The most that was given on balance, to it and to what commands it, beyond what its own damper took up, since the
-    /// script ended \[J\]. What is passive behind the delay stays near nothing.
+    /// The most that was given on balance, to it and to what commands it, beyond what its own
+    /// damper took up, since the script ended \[J\]. What is passive behind the delay stays near
+    /// nothing.
     pub beyond: f64,
 }
 
@@ -129,8 +131,8 @@ pub struct Outcome {
     pub felt: f64,
     /// Stiffest that a blocked finger was felt in the end, by its couplings and the rule \[N/m\].
     pub stiffness: f64,
-    /// Stiffness as the wearer measures it \[N/m\]: force on each pad by the way of its fingertip, flesh, joints and what is touched
-    /// included; after [`Rehearsal::run_and_measure`].
+    /// Stiffness as the wearer measures it \[N/m\]: force on each pad by the way of its fingertip,
+    /// flesh, joints and what is touched included; after [`Rehearsal::run_and_measure`].
     pub measured: Option<[f64; DIGITS]>,
     /// Delay from motion to force that the loop reckoned with \[s\].
     pub delay: f64,
@@ -141,13 +143,15 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// What disturbed the hand has died out: 20 mN and 0.1 mm rms, 0.1 mJ a second, and nothing stopped the forces.
+    /// What disturbed the hand has died out: 20 mN and 0.1 mm rms, 0.1 mJ a second, and nothing
+    /// stopped the forces.
     pub fn is_still(&self) -> bool {
         let worst = self.worst();
         self.trips.is_empty() && worst.rms < 0.02 && worst.motion_rms < 1e-4 && worst.given < 1e-4
     }
 
-    /// True when a finger that rests or sways felt more than the flesh of a hand in free air may show by itself, 20 mN.
+    /// True when a finger that rests or sways felt more than the flesh of a hand in free air may
+    /// show by itself, 20 mN.
     pub fn is_felt(&self) -> bool {
         self.felt > 0.02
     }
@@ -197,8 +201,8 @@ impl Rehearsal {
         Ok(run.finish())
     }
 
-    /// Runs it, and then has each finger close by a millimetre more, slowly, to measure how stiff it is felt. The rest is as
-    /// without that. Fingers that sway measure nothing.
+    /// Runs it, and then has each finger close by a millimetre more, slowly, to measure how stiff
+    /// it is felt. The rest is as without that. Fingers that sway measure nothing.
     ///
     /// # Errors
     /// As [`Rehearsal::run`].
@@ -311,8 +315,8 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// A millisecond in which the hand gives way to what it feels and to a push \[N\], is seen, and the loop ticks: the forces
-    /// that it felt \[N\], and how far its fingers went \[m\].
+    /// A millisecond in which the hand gives way to what it feels and to a push \[N\], is seen, and
+    /// the loop ticks: the forces that it felt \[N\], and how far its fingers went \[m\].
     fn go_on(&mut self, ms: u64, push: f64) -> Result<[[f64; DIGITS]; 2], RehearsalError> {
         let now_ns = ms * TICK_NS;
         let forces = self.ends.shown().digits.map(|digit| digit.pad_force);
@@ -328,7 +332,8 @@ impl<'a> Run<'a> {
         Ok([forces, moved])
     }
 
-    /// Mean force on each pad \[N\] and place of its fingertip on the way to close \[m\], in what was looked at.
+    /// Mean force on each pad \[N\] and place of its fingertip on the way to close \[m\], in what
+    /// was looked at.
     fn means(&self) -> [(f64, f64); DIGITS] {
         let mean = |sum: f64| sum / WINDOW as f64;
         self.sums.map(|[force, _, place, _]| (mean(force), self.hand.press() + mean(place)))

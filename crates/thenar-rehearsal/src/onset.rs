@@ -1,12 +1,14 @@
-//! How stiff a coupling may be felt before a hand hums on it: in the product's own loop, and by theory.
+//! How stiff a coupling may be felt before a hand hums on it: in the product's own loop, and by
+//! theory.
 
 use crate::{Human, Outcome, Rehearsal, RehearsalError};
 use std::f64::consts::PI;
 use thenar_scene::session::Session;
 use thenar_touch::{LoopProfile, MARGIN};
 
-/// Where an onset is sought, as parts of what theory says, which takes the hold between two samples and what smooths them for one
-/// delay: no more than a factor of two either way, and a quarter to spare. What lies beyond is reported as beyond.
+/// Where an onset is sought, as parts of what theory says, which takes the hold between two samples
+/// and what smooths them for one delay: no more than a factor of two either way, and a quarter to
+/// spare. What lies beyond is reported as beyond.
 const RANGE: [f64; 2] = [0.4, 2.5];
 /// Rehearsals within that: each halves what is left, the last to 3 %.
 const PROBES: u32 = 6;
@@ -14,8 +16,8 @@ const PROBES: u32 = 6;
 /// The stiffest coupling on which what disturbs a hand dies out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Onset {
-    /// As rehearsed \[N/m\]; infinite when the scene's couplings themselves are soft enough, and 0 when the softest that was
-    /// tried is not.
+    /// As rehearsed \[N/m\]; infinite when the scene's couplings themselves are soft enough, and 0
+    /// when the softest that was tried is not.
     pub stiffness: f64,
     /// A spring that acts as late as the loop reckons with, by theory \[N/m\].
     pub theory: f64,
@@ -27,9 +29,9 @@ pub struct Onset {
     pub delay: f64,
 }
 
-/// The stiffest spring that acts late by `delay` \[s\] on which such a finger comes to rest \[N/m\]: on
-/// `m x" + b x' + k x = -K x(t - τ)` with a swing of ω that goes on, `b ω = K sin ωτ` and `k - m ω² + b ω cot ωτ = 0`. For
-/// slow swings that is `b/τ`.
+/// The stiffest spring that acts late by `delay` \[s\] on which such a finger comes to rest
+/// \[N/m\]: on `m x" + b x' + k x = -K x(t - τ)` with a swing of ω that goes on, `b ω = K sin ωτ`
+/// and `k - m ω² + b ω cot ωτ = 0`. For slow swings that is `b/τ`.
 pub fn late_spring_onset(human: &Human, delay: f64) -> f64 {
     let Human { mass, damping, stiffness } = *human;
     let left = |angle: f64| {
@@ -53,10 +55,12 @@ fn profile(delay: f64) -> LoopProfile {
 }
 
 impl Rehearsal {
-    /// Looks for the stiffest coupling on which what disturbs its hand dies out; `open` opens the scene anew for each try.
+    /// Looks for the stiffest coupling on which what disturbs its hand dies out; `open` opens the
+    /// scene anew for each try.
     ///
     /// # Errors
-    /// A number makes no sense, the hand has no damping, or the scene has no hand that could be worn.
+    /// A number makes no sense, the hand has no damping, or the scene has no hand that could be
+    /// worn.
     pub fn onset<E: From<RehearsalError>>(
         &self,
         open: impl Fn() -> Result<Session, E>,
@@ -106,8 +110,8 @@ mod tests {
     use crate::{Finger, Flow};
     use std::collections::VecDeque;
 
-    /// Where a virtual finger on a spring that is read a whole number of ticks late, and held for one, begins to swing more and
-    /// more is where theory says, with half a tick for the hold.
+    /// Where a virtual finger on a spring that is read a whole number of ticks late, and held for
+    /// one, begins to swing more and more is where theory says, with half a tick for the hold.
     #[test]
     fn fingers_hum_where_theory_says() {
         for (mass, damping, stiffness, ticks) in

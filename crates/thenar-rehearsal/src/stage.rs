@@ -5,8 +5,8 @@ use thenar_link::{ForceDisplay, Tracker};
 use thenar_scene::session::Session;
 use thenar_touch::haptic_loop::{LoopHand, LoopMode, ManualLoop, Settings, SimulationPort};
 
-/// The loop and a scene, which step in turn: a frame that a step makes arrives a whole period after the step's inputs
-/// were taken.
+/// The loop and a scene, which step in turn: a frame that a step makes arrives a whole period after
+/// the step's inputs were taken.
 pub struct Stage {
     session: Session,
     clock: ManualLoop,

@@ -22,7 +22,8 @@ pub struct Study {
     pub tracker: TrackerTiming,
     /// Couplings to the hand; those to the bones are the scene's drives.
     pub design: CouplingDesign,
-    /// Damping of the loosest grip that the loop reckons with \[N s/m\]; `None` shows the couplings as they are.
+    /// Damping of the loosest grip that the loop reckons with \[N s/m\]; `None` shows the couplings
+    /// as they are.
     pub grip: Option<f64>,
 }
 
@@ -150,7 +151,8 @@ fn slope_going_in(force: &[f64], displacement: &[f64]) -> f64 {
     over / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>()
 }
 
-/// The shift of force against displacement that correlates best \[ms\], of half a cycle at most, to a parabola's top.
+/// The shift of force against displacement that correlates best \[ms\], of half a cycle at most, to
+/// a parabola's top.
 fn delay(force: &[f64], displacement: &[f64], cycle: u64) -> f64 {
     let n = force.len();
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
@@ -173,8 +175,8 @@ fn delay(force: &[f64], displacement: &[f64], cycle: u64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A spring of 300 N/m that answers 37.5 ms late to a motion of 5 cm: its slope, and its delay though that is a third
-    /// of a cycle.
+    /// A spring of 300 N/m that answers 37.5 ms late to a motion of 5 cm: its slope, and its delay
+    /// though that is a third of a cycle.
     #[test]
     fn slope_and_delay_are_those_of_a_late_spring() {
         let depth = |ms: f64| 0.025 * (1.0 - (TAU * ms / 110.0).cos());

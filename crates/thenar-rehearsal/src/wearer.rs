@@ -20,7 +20,8 @@ pub struct Human {
     pub stiffness: f64,
 }
 
-/// Fingertip of the wearer, by how far it is beyond its command, closing \[m\], and how fast \[m/s\].
+/// Fingertip of the wearer, by how far it is beyond its command, closing \[m\], and how fast
+/// \[m/s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Finger {
     /// Place \[m\].
@@ -29,8 +30,8 @@ pub struct Finger {
     pub speed: f64,
 }
 
-/// Flow of `m ẍ + b ẋ + k x = f` over a time h in which f is constant, exact however stiff: the exponential of its
-/// matrix in `(x, ẋ h, f h²/m)`.
+/// Flow of `m ẍ + b ẋ + k x = f` over a time h in which f is constant, exact however stiff: the
+/// exponential of its matrix in `(x, ẋ h, f h²/m)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Flow {
     over: Mat3,
@@ -80,7 +81,8 @@ pub(super) struct RehearsedHand {
     pub fingers: [Finger; DIGITS],
     /// Energy given to each since its command stood still \[J\].
     pub given: [f64; DIGITS],
-    /// Energy given to each and to what closes it, less what its damper took up, since the script ended \[J\].
+    /// Energy given to each and to what closes it, less what its damper took up, since the script
+    /// ended \[J\].
     pub beyond: [f64; DIGITS],
 }
 
@@ -108,7 +110,8 @@ impl RehearsedHand {
         })
     }
 
-    /// Goes on with the script to this time of the scene \[s\], fingers closed by so much more \[m\].
+    /// Goes on with the script to this time of the scene \[s\], fingers closed by so much more
+    /// \[m\].
     pub fn command(&mut self, time: f64, press: f64) {
         self.closed = press - std::mem::replace(&mut self.press, press);
         if let Some(motion) = &mut self.motion {
@@ -122,14 +125,16 @@ impl RehearsedHand {
         self.press
     }
 
-    /// Moves for a step under the forces on its pads, which open, and one that closes; how far each finger went \[m\].
+    /// Moves for a step under the forces on its pads, which open, and one that closes; how far each
+    /// finger went \[m\].
     pub fn advance(&mut self, forces: &[f64; DIGITS], push: f64) -> [f64; DIGITS] {
         let mut moved = [0.0; DIGITS];
         for (k, finger) in self.fingers.iter_mut().enumerate() {
             let before = finger.place;
             finger.advance(&self.flow, push - forces[k]);
             moved[k] = finger.place - before;
-            // Its damping takes up what it does at the speed at which the finger moves, with its command and beyond.
+            // Its damping takes up what it does at the speed at which the finger moves, with its
+            // command and beyond.
             let way = moved[k] + self.closed;
             let heat = self.human.damping * way * way / self.flow.h;
             self.beyond[k] += -forces[k] * way - heat;
@@ -155,7 +160,8 @@ fn bones(session: &Session) -> std::ops::Range<usize> {
     bones.start as usize..bones.end as usize
 }
 
-/// From the root of each finger to its pad \[m\]; a hand's breadth for a finger that the hand lacks.
+/// From the root of each finger to its pad \[m\]; a hand's breadth for a finger that the hand
+/// lacks.
 fn levers(model: &HandModel) -> [f64; DIGITS] {
     let pads = Pad::of_hand(model);
     std::array::from_fn(|k| {
@@ -191,8 +197,8 @@ mod tests {
             }
         }
     }
-    /// A gram in the thickest honey, B/M of a million a second: `v = f/b (1 - e^(-b t/m))`, without a spring and on one that
-    /// takes minutes.
+    /// A gram in the thickest honey, B/M of a million a second: `v = f/b (1 - e^(-b t/m))`, without
+    /// a spring and on one that takes minutes.
     #[test]
     fn fingers_in_honey_creep() {
         for stiffness in [0.0, 1e-3] {

@@ -1,5 +1,5 @@
-//! Writes a figure as a skinned mesh: `skin_figure FILE THICKNESS TRIANGLES OUT.glb`. The shipped `body.glb` is of
-//! `crates/thenar-rig/assets/figures/figure.xml`, 0.03 m and 4000 triangles.
+//! Writes a figure as a skinned mesh: `skin_figure FILE THICKNESS TRIANGLES OUT.glb`. The shipped
+//! `body.glb` is of `crates/thenar-rig/assets/figures/figure.xml`, 0.03 m and 4000 triangles.
 
 use std::path::Path;
 use thenar_rig::export::write_hand_glb;

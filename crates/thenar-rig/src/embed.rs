@@ -83,7 +83,8 @@ pub fn closed_surface(mesh: &TriMesh) -> Result<TriMesh, RigError> {
     Ok(whole)
 }
 
-/// A closed mesh whose volume is less than this part of a cube on its diagonal is a sheet: a hand's breadth of paper has 1e-5.
+/// A closed mesh whose volume is less than this part of a cube on its diagonal is a sheet: a hand's
+/// breadth of paper has 1e-5.
 const SHEET: f64 = 1e-6;
 
 /// The refusal of an open mesh, with how many holes it has.
@@ -111,7 +112,8 @@ pub fn can_be_closed(mesh: &TriMesh) -> bool {
     mended_surface(mesh).is_ok_and(|(mesh, _)| !is_sheet(&mesh))
 }
 
-/// [`closed_surface`] of a mesh whose holes are closed first, those whose border is a simple loop; and these holes.
+/// [`closed_surface`] of a mesh whose holes are closed first, those whose border is a simple loop;
+/// and these holes.
 ///
 /// # Errors
 /// When the mesh is malformed, of several parts, or not closed for another reason.

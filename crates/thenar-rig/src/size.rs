@@ -5,8 +5,8 @@ use thenar_core::Vec3;
 
 /// Smallest and largest admissible longest side of a body \[m\].
 pub(crate) const SIZE_RANGE: [f64; 2] = [1e-4, 1e3];
-/// Farthest admissible coordinate, in longest sides: double precision then still places a vertex to 1e-9 of
-/// the size (1e7 rounding errors of 1.1e-16).
+/// Farthest admissible coordinate, in longest sides: double precision then still places a vertex to
+/// 1e-9 of the size (1e7 rounding errors of 1.1e-16).
 pub(crate) const REACH_MAX: f64 = 1e7;
 
 /// Longest side of what lies within these bounds, if a body may be that long and that far away.

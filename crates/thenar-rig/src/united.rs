@@ -26,8 +26,9 @@ pub(crate) struct United {
     pub cell: f64,
 }
 
-/// The body that several meshes enclose together, whether they are closed or not: where their winding number is at least a half.
-/// A sleeve around an arm that ends in it so becomes one with the arm.
+/// The body that several meshes enclose together, whether they are closed or not: where their
+/// winding number is at least a half. A sleeve around an arm that ends in it so becomes one with
+/// the arm.
 ///
 /// # Errors
 /// When they enclose nothing.
@@ -85,8 +86,8 @@ mod tests {
     use super::*;
     use crate::mesh::shapes;
 
-    /// Two boxes, the lid of each gone where it lies in the other, enclose what their union does: 3 of length by 1 by 1; a
-    /// ball apart is left out, and one inside changes nothing.
+    /// Two boxes, the lid of each gone where it lies in the other, enclose what their union does: 3
+    /// of length by 1 by 1; a ball apart is left out, and one inside changes nothing.
     #[test]
     fn open_boxes_that_cross_are_one_body() {
         let half = Vec3::new(1.0, 0.5, 0.5);

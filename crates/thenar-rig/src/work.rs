@@ -1,14 +1,15 @@
 //! Long work: bounded before it begins, told while it goes on, ended when asked.
 //!
-//! Builders say what they are about to do, in comparisons of a point with a triangle or the like, and refuse
-//! what is beyond a bound. Whoever wants to hear of it, or to end it, runs the builder inside [`watched`];
-//! without that, work is only bounded. The watch is that of the thread.
+//! Builders say what they are about to do, in comparisons of a point with a triangle or the like,
+//! and refuse what is beyond a bound. Whoever wants to hear of it, or to end it, runs the builder
+//! inside [`watched`]; without that, work is only bounded. The watch is that of the thread.
 
 use crate::RigError;
 use std::cell::RefCell;
 
-/// What may be spent on one stage of building a body, in comparisons of a point with a triangle: half a minute
-/// at the 15 ns that one takes on a core of 3 GHz (`cargo bench` of the grid; measured, not guaranteed).
+/// What may be spent on one stage of building a body, in comparisons of a point with a triangle:
+/// half a minute at the 15 ns that one takes on a core of 3 GHz (`cargo bench` of the grid;
+/// measured, not guaranteed).
 pub const STAGE_MAX: f64 = 2e9;
 
 /// How far a stage is.
@@ -39,9 +40,9 @@ impl Drop for Ended {
     }
 }
 
-/// Runs `work`, telling `watch` of every stage of all that is built in it on this thread: at its beginning and
-/// some hundred times while it lasts. When `watch` returns false, the builder ends with
-/// [`RigError::Stopped`].
+/// Runs `work`, telling `watch` of every stage of all that is built in it on this thread: at its
+/// beginning and some hundred times while it lasts. When `watch` returns false, the builder ends
+/// with [`RigError::Stopped`].
 pub fn watched<T>(watch: impl FnMut(Progress) -> bool + 'static, work: impl FnOnce() -> T) -> T {
     let _ended = Ended(WATCH.with(|slot| slot.borrow_mut().replace(Box::new(watch))));
     work()

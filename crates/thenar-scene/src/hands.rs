@@ -28,8 +28,8 @@ pub enum Hands {
 ///   them (probes, pairs, loads, bonds, joints). Where there is none of that side, all hands are
 ///   mirrored in the plane x = 0 instead, with their motions and the camera. Where there is none
 ///   at all, one is put beside the origin, 0.2 m up.
-/// - `Both` adds a hand of each side that is missing. It holds still beside the others, as far as the
-///   fingers of two hands reach and 5 cm more.
+/// - `Both` adds a hand of each side that is missing. It holds still beside the others, as far as
+///   the fingers of two hands reach and 5 cm more.
 ///
 /// `lengths` are those of left and right hands, wrist to middle fingertip \[m\]; `None` leaves
 /// them as they are.

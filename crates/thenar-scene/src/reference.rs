@@ -1,4 +1,5 @@
-//! The JSON Schema of the format, its reference in Markdown from the same declarations, and the names of a hand.
+//! The JSON Schema of the format, its reference in Markdown from the same declarations, and the
+//! names of a hand.
 
 mod hand;
 mod motion;
@@ -24,7 +25,8 @@ pub fn keys() -> String {
     out
 }
 
-/// Tables of a part of a schema under this title, and of all parts that it leads to; `level` stands before headings.
+/// Tables of a part of a schema under this title, and of all parts that it leads to; `level` stands
+/// before headings.
 fn describe(out: &mut String, document: &Value, (part, title): (&str, &str), level: &str) {
     let mut done: Vec<String> = Vec::new();
     let mut waiting: Vec<(String, String)> = vec![(part.into(), title.into())];

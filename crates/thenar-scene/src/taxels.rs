@@ -1,7 +1,8 @@
 //! Taxels on hands: shipped layouts, and places that a user chooses.
 //!
-//! A layout is made of patches, one on the palm's side of each bone: rows from the wrist outwards, columns along the
-//! bone's x axis, which points to the little finger's side of a right hand and to the thumb's of a left one.
+//! A layout is made of patches, one on the palm's side of each bone: rows from the wrist outwards,
+//! columns along the bone's x axis, which points to the little finger's side of a right hand and to
+//! the thumb's of a left one.
 
 use crate::math::Vec3;
 use std::f64::consts::PI;
@@ -44,7 +45,8 @@ impl Layout {
     }
 }
 
-/// Half the angle around a finger's bone that its columns take in, from the middle of the palm's side \[rad\].
+/// Half the angle around a finger's bone that its columns take in, from the middle of the palm's
+/// side \[rad\].
 const AROUND: f64 = PI / 3.0;
 /// Part of the knuckles' breadth that the palm's columns take in.
 const ACROSS: f64 = 0.9;
@@ -66,8 +68,8 @@ pub fn layout(hand: &HandModel, which: Layout, rows: usize, columns: usize) -> V
     wanted.filter_map(patch).collect()
 }
 
-/// A column of taxels where a bone's skin at rest is nearest to these points of its frame B \[m\]; `None` when there
-/// is no such bone, or no skin on it.
+/// A column of taxels where a bone's skin at rest is nearest to these points of its frame B \[m\];
+/// `None` when there is no such bone, or no skin on it.
 pub fn on_bone(hand: &HandModel, bone: &str, points_B: &[Vec3]) -> Option<TaxelPatch> {
     let bone = hand.bones.iter().find(|known| known.name == bone)?;
     let skin = skin(hand);
@@ -94,7 +96,8 @@ struct Side<'a> {
     along_B: Vec3,
     palmar_B: Vec3,
     across_B: Vec3,
-    /// Where the palm's columns begin and end across it; `None` for a finger's bone, which they go around.
+    /// Where the palm's columns begin and end across it; `None` for a finger's bone, which they go
+    /// around.
     breadth: Option<[f64; 2]>,
 }
 

@@ -34,8 +34,8 @@ pub enum Event {
 }
 
 impl Event {
-    /// The sender, when the event counts against that client's share. Coming and leaving does not: it
-    /// must never get lost.
+    /// The sender, when the event counts against that client's share. Coming and leaving does not:
+    /// it must never get lost.
     fn sender(&self) -> Option<ClientId> {
         match self {
             Self::Joined(_) | Self::Left(_) => None,
@@ -168,8 +168,8 @@ impl Hub {
         Self { devices, ..self }
     }
 
-    /// Does what this message of a client says if it is about ending forces: at once, past everything
-    /// that waits for the simulation. True when nobody else needs to hear of it.
+    /// Does what this message of a client says if it is about ending forces: at once, past
+    /// everything that waits for the simulation. True when nobody else needs to hear of it.
     pub fn heed(&self, client: ClientId, text: &str) -> bool {
         let urgent = text.contains("stop") || text.contains("hold");
         let Some(devices) = self.devices.as_ref().filter(|_| urgent) else { return false };

@@ -1,5 +1,5 @@
-//! Serves a live simulation, or a recorded one: a thread that steps a scene in real time, the binary protocol of
-//! `docs/protocol.md`, and the page that draws it.
+//! Serves a live simulation, or a recorded one: a thread that steps a scene in real time, the
+//! binary protocol of `docs/protocol.md`, and the page that draws it.
 
 mod dead_man;
 pub mod http;

@@ -1,5 +1,5 @@
-//! Goal: a visitor has a hand grip what is under it, and is told what cannot be had. Method: a visitor at the hub of the scene
-//! with a ball, whose own grip is put off.
+//! Goal: a visitor has a hand grip what is under it, and is told what cannot be had. Method: a
+//! visitor at the hub of the scene with a ball, whose own grip is put off.
 
 mod decoder;
 mod visitor;

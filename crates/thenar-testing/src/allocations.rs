@@ -1,5 +1,5 @@
-//! Counts allocations by thread, so that neither the test harness nor a device's thread is counted with the code under
-//! test.
+//! Counts allocations by thread, so that neither the test harness nor a device's thread is counted
+//! with the code under test.
 //!
 //! ```
 //! use thenar_testing::allocations;
@@ -15,7 +15,8 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// The system's allocator, which counts what this thread asks for. Growing in place counts as an allocation.
+/// The system's allocator, which counts what this thread asks for. Growing in place counts as an
+/// allocation.
 #[derive(Debug)]
 pub struct Counting;
 

@@ -1,5 +1,5 @@
-//! Tools that tests of several crates share: an allocator that counts, repeatable damage, a fixed share of many cases,
-//! ports and pipes.
+//! Tools that tests of several crates share: an allocator that counts, repeatable damage, a fixed
+//! share of many cases, ports and pipes.
 
 pub mod allocations;
 mod mutator;

@@ -1,12 +1,12 @@
-/// The request of the environment variable `THENAR_CASES` to tests with many cases: `all`, or, where cases have names,
-/// those whose names contain the text. Without it they run a fixed share.
+/// The request of the environment variable `THENAR_CASES` to tests with many cases: `all`, or,
+/// where cases have names, those whose names contain the text. Without it they run a fixed share.
 pub fn cases_wanted() -> Option<String> {
     std::env::var("THENAR_CASES").ok()
 }
 
-/// A fixed share of `cases`: the first of every `of`, in their order; all of them if `THENAR_CASES` is `all`. Of a
-/// product of two lists, an `of` coprime to both lengths meets every value of each, if it leaves as many cases as the
-/// longer has values.
+/// A fixed share of `cases`: the first of every `of`, in their order; all of them if `THENAR_CASES`
+/// is `all`. Of a product of two lists, an `of` coprime to both lengths meets every value of each,
+/// if it leaves as many cases as the longer has values.
 ///
 /// # Panics
 /// `of` is 0.

@@ -97,7 +97,8 @@ fn pressed(contacts: usize, bones: &[RigidState]) -> Condensed {
     frame
 }
 
-/// Contact of one tick against proxies that wander, as the loop sees it: started from the last tick.
+/// Contact of one tick against proxies that wander, as the loop sees it: started from the last
+/// tick.
 #[divan::bench(args = [10, 60])]
 fn shared_constraints(bencher: Bencher, contacts: usize) {
     let (_, _, bones) = hand();
@@ -115,7 +116,8 @@ fn shared_constraints(bencher: Bencher, contacts: usize) {
     });
 }
 
-/// A tick with ten contacts in shared constraints, of bones that a frame has turned by 20 degrees, with and without their joints.
+/// A tick with ten contacts in shared constraints, of bones that a frame has turned by 20 degrees,
+/// with and without their joints.
 #[divan::bench(args = [0, 15])]
 fn whole_tick_shared(bencher: Bencher, joints: usize) {
     let (_, tracked, bones) = hand();

@@ -1,25 +1,31 @@
 //! Bones that turn far from their frame: joints stay closed, and forces keep their levers.
 //!
-//! The response of a frame is linear: a bone that turns moves on the tangent of its arc. What contact does between two frames turns
-//! bones by little, but the hand in empty air is answered by the frame of a hand that holds something, and nothing holds its fingers off
-//! there. Off their arcs, couplings would pull at them with forces that no hand has. With a joint at `a_P` in the parent and `a_C` in
-//! the child, arms `r = R₀ a` in the frame's rotation R₀, and a bone that turned by the rotation vector θ:
+//! The response of a frame is linear: a bone that turns moves on the tangent of its arc. What
+//! contact does between two frames turns bones by little, but the hand in empty air is answered by
+//! the frame of a hand that holds something, and nothing holds its fingers off there. Off their
+//! arcs, couplings would pull at them with forces that no hand has. With a joint at `a_P` in the
+//! parent and `a_C` in the child, arms `r = R₀ a` in the frame's rotation R₀, and a bone that
+//! turned by the rotation vector θ:
 //!
 //! ```text
 //! places:   x_C is off its tangent by as much as x_P is, and by s_P - s_C,   s = R a - r - θ × r
 //! torques:  t_P × F on the parent,   -t_C × F on the child,                  t = R a - r
 //! ```
 //!
-//! F is the force with which couplings pull at the child and all that it carries. Where contact bears load in the frame, it balances
-//! them there: of such a hand only what has changed since counts. Besides, rotations do not add up: a coupling turns its bone by the
-//! vector between two rotations, the response by the difference of two vectors.
+//! F is the force with which couplings pull at the child and all that it carries. Where contact
+//! bears load in the frame, it balances them there: of such a hand only what has changed since
+//! counts. Besides, rotations do not add up: a coupling turns its bone by the vector between two
+//! rotations, the response by the difference of two vectors.
 //!
-//! Each tick finds these at poses that go half of the way to the bones in every tick, and the response takes them as loads. Where that
-//! comes to rest, forces and torques balance on the arcs. It does so up to [`FARTHEST`], beyond which bones count as turned so far: found
-//! by trial on fingers as those of this module's test, some of which do not come to rest beyond it, nor without halving.
+//! Each tick finds these at poses that go half of the way to the bones in every tick, and the
+//! response takes them as loads. Where that comes to rest, forces and torques balance on the arcs.
+//! It does so up to [`FARTHEST`], beyond which bones count as turned so far: found by trial on
+//! fingers as those of this module's test, some of which do not come to rest beyond it, nor without
+//! halving.
 //!
-//! Not included: axes of joints stay as in the frame, as flesh answers as it did there; and contacts are found on the tangents, from
-//! which bones that something holds go by little within a frame.
+//! Not included: axes of joints stay as in the frame, as flesh answers as it did there; and
+//! contacts are found on the tangents, from which bones that something holds go by little within a
+//! frame.
 
 use crate::shared::SharedConstraints;
 use crate::turn::rotation_vector;
@@ -79,7 +85,8 @@ impl Turn {
     }
 }
 
-/// Where shared constraints had a bone in the last ticks, the later the more, and how its coupling pulled at it.
+/// Where shared constraints had a bone in the last ticks, the later the more, and how its coupling
+/// pulled at it.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Settled {
     pose_WB: Pose,
@@ -110,10 +117,12 @@ pub(crate) struct Arcs {
     turns: Vec<Turn>,
     /// Turn from each bone to its target in the frame \[rad\].
     leads: Vec<Vec3>,
-    /// How far bones are from their tangents \[m\], and how fast they leave them, or went before \[m/s\].
+    /// How far bones are from their tangents \[m\], and how fast they leave them, or went before
+    /// \[m/s\].
     off: Vec<Vec3>,
     leaving: Vec<Vec3>,
-    /// Forces of couplings on each bone and all that it carries \[N\], and torques from levers \[N m\].
+    /// Forces of couplings on each bone and all that it carries \[N\], and torques from levers \[N
+    /// m\].
     forces: Vec<Vec3>,
     torques: Vec<Vec3>,
 }
@@ -133,8 +142,8 @@ impl Arcs {
         }
     }
 
-    /// Takes these joints. Of those between bones that there are, with the parent's number below the child's, the first of each child
-    /// counts.
+    /// Takes these joints. Of those between bones that there are, with the parent's number below
+    /// the child's, the first of each child counts.
     pub fn tie(&mut self, joints: impl IntoIterator<Item = Tie>) {
         self.ties.clear();
         for tie in joints {
@@ -177,7 +186,8 @@ impl Arcs {
         }
     }
 
-    /// Tells the response what bones do, where they settled, that it does not know, with proxies at these.
+    /// Tells the response what bones do, where they settled, that it does not know, with proxies at
+    /// these.
     pub fn bend(
         &mut self,
         frame: &SlowToFast,
@@ -220,7 +230,8 @@ impl Arcs {
         }
     }
 
-    /// Puts bones where the response has them after another `h` \[s\] at their velocities, on their arcs; `settled` follows them.
+    /// Puts bones where the response has them after another `h` \[s\] at their velocities, on their
+    /// arcs; `settled` follows them.
     pub fn place(
         &mut self,
         frame: &SlowToFast,
@@ -287,7 +298,8 @@ fn between(to: Quat, from: Quat) -> Vec3 {
     rotation_vector(&(to * from.inverse()))
 }
 
-/// Force with which a coupling to this proxy pulls at a bone \[N\]; none where the proxy is not finite.
+/// Force with which a coupling to this proxy pulls at a bone \[N\]; none where the proxy is not
+/// finite.
 fn pull(spring: &Drive, proxy: &RigidState, bone: &RigidState) -> Vec3 {
     let way = proxy.pose_WB.position - bone.pose_WB.position;
     if proxy.is_finite() { way * spring.stiffness } else { Vec3::zeros() }

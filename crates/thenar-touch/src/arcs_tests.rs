@@ -1,5 +1,6 @@
-//! Goal: ticks come to rest where forces and torques balance on the arcs, however stiff the couplings. Method: a planar finger,
-//! whose energy is written down with angles; its gradient at the bones that ticks end at. Places, levers and bad input by hand.
+//! Goal: ticks come to rest where forces and torques balance on the arcs, however stiff the
+//! couplings. Method: a planar finger, whose energy is written down with angles; its gradient at
+//! the bones that ticks end at. Places, levers and bad input by hand.
 
 use super::*;
 use crate::shared::CondensedContact;
@@ -33,7 +34,8 @@ fn turned_child(angle: f64) -> Pose {
     Pose::new(Vec3::new(0.03 + 0.03 * angle.cos(), 0.03 * angle.sin(), 0.0), turned(angle))
 }
 
-/// Held at the first bone, turned at the joint by `angle`, and pulled at the second bone with 1 N across the frame's finger.
+/// Held at the first bone, turned at the joint by `angle`, and pulled at the second bone with 1 N
+/// across the frame's finger.
 fn bent_at_joint(angle: f64) -> SharedConstraints {
     let (frame, mut arcs) = two_bones();
     let poses = [Pose::identity(), turned_child(angle)];
@@ -44,8 +46,8 @@ fn bent_at_joint(angle: f64) -> SharedConstraints {
     shared
 }
 
-/// The second bone is off its tangent by its arc, and 1 N at its middle turns it about the joint by `0.03 cos θ` N m, of which
-/// the response knows 0.03.
+/// The second bone is off its tangent by its arc, and 1 N at its middle turns it about the joint by
+/// `0.03 cos θ` N m, of which the response knows 0.03.
 #[test]
 fn bones_move_on_arcs_and_levers_turn_with_them() {
     for angle in [0.0_f64, 0.01, 0.3, -0.4, 0.5] {
@@ -69,8 +71,8 @@ fn bones_that_turn_farther_count_as_turned_by_half_a_radian() {
     }
 }
 
-/// Unusable input changes nothing: joints of bones that there are not, second ones, a frame or a list of another size, and
-/// values that are not numbers.
+/// Unusable input changes nothing: joints of bones that there are not, second ones, a frame or a
+/// list of another size, and values that are not numbers.
 #[test]
 fn bad_input_bends_nothing() {
     let (frame, mut arcs) = two_bones();
@@ -109,7 +111,8 @@ fn bad_input_bends_nothing() {
     assert_eq!(bone.pose_WB, poses[1]);
 }
 
-/// Contact bore 1 N in the frame and the coupling balanced it there: turning changes no lever of that, only of what is more by now.
+/// Contact bore 1 N in the frame and the coupling balanced it there: turning changes no lever of
+/// that, only of what is more by now.
 #[test]
 fn what_contact_balanced_in_the_frame_has_no_lever() {
     let (mut frame, mut arcs) = two_bones();
@@ -140,7 +143,8 @@ fn what_contact_balanced_in_the_frame_has_no_lever() {
     assert_eq!(held.bent(1), free.bent(1));
 }
 
-/// Turns about several axes: with the torque beside it, a coupling turns its bone as it does by the rotation between the two.
+/// Turns about several axes: with the torque beside it, a coupling turns its bone as it does by the
+/// rotation between the two.
 #[test]
 fn couplings_turn_bones_by_the_rotation_between_them() {
     let (mut frame, mut arcs) = two_bones();
@@ -237,7 +241,8 @@ impl Finger {
         tangents
     }
 
-    /// Where the finger balances as bent as `s`: a frame there, led by targets this far from its bones that hold it.
+    /// Where the finger balances as bent as `s`: a frame there, led by targets this far from its
+    /// bones that hold it.
     fn frame(&self, s: &Angles, away: &[Vec3; 4]) -> SlowToFast {
         let tangents = Self::tangents(s);
         let mut stiffness = DMatrix::zeros(N, N);
@@ -282,9 +287,9 @@ impl Finger {
     }
 }
 
-/// Turns of about half a radian from 360 bent fingers, at couplings of scenes (200 N/m) and far stiffer ones, with joints that are
-/// free and stiff: after some ticks nothing moves any more, and of bones that turn no farther than arcs go joints are closed and
-/// the energy has no slope.
+/// Turns of about half a radian from 360 bent fingers, at couplings of scenes (200 N/m) and far
+/// stiffer ones, with joints that are free and stiff: after some ticks nothing moves any more, and
+/// of bones that turn no farther than arcs go joints are closed and the energy has no slope.
 #[test]
 fn ticks_come_to_rest_where_the_energy_has_no_slope() {
     let mut random = Random::new(7);
@@ -353,7 +358,8 @@ fn ticks_come_to_rest_where_the_energy_has_no_slope() {
                 shared.begin(&frame.response);
                 let (_, moved, _) = tick(&frame, &states, &mut shared);
                 assert!(moved < 1e-9, "{moved} m with a new frame: {context}");
-                // Led on, joints of bones stay closed, and what they go at is the same on both sides.
+                // Led on, joints of bones stay closed, and what they go at is the same on both
+                // sides.
                 let mut on = led;
                 for _ in 0..2 {
                     (0..N)
@@ -371,7 +377,8 @@ fn ticks_come_to_rest_where_the_energy_has_no_slope() {
                         assert!((one.1 - other.1).norm() < 1e-6, "{} {context}", one.1 - other.1);
                     }
                 }
-                // Differences of 1 µm find slopes to 1 part in 10⁹ of what a coupling bears at 100 mm.
+                // Differences of 1 µm find slopes to 1 part in 10⁹ of what a coupling bears at 100
+                // mm.
                 let slope = finger.slope(&rests, &proxies, &led);
                 assert!(slope < 1e-9 * 0.1 * stiffness, "{slope} N: {context}");
             }

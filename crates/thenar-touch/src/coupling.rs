@@ -69,12 +69,14 @@ impl CouplingDesign {
 }
 
 impl Proxy {
-    /// The proxy of a bone that has a drive of its own: held to it by this drive, and to the hand no
-    /// softer than that. With it the parts of the device coupling's force and torque that the wearer is
-    /// shown, so that a bone that cannot move is felt as stiff as the softer hold would have it.
+    /// The proxy of a bone that has a drive of its own: held to it by this drive, and to the hand
+    /// no softer than that. With it the parts of the device coupling's force and torque that the
+    /// wearer is shown, so that a bone that cannot move is felt as stiff as the softer hold would
+    /// have it.
     ///
-    /// A softer hold on the hand than on the bone lets the simulated hand go elsewhere than the real one: a
-    /// palm that is driven with 10 N m/rad but held with 0.3 pitches forward when its fingers bend.
+    /// A softer hold on the hand than on the bone lets the simulated hand go elsewhere than the
+    /// real one: a palm that is driven with 10 N m/rad but held with 0.3 pitches forward when its
+    /// fingers bend.
     pub fn driven_by(&self, drive: &Drive) -> (Self, [f64; 2]) {
         let part = |own: f64, bone: f64| {
             if bone > own { series_stiffness(own, bone) / (0.5 * bone) } else { 1.0 }

@@ -1,13 +1,15 @@
-//! The delay from a wearer's motion to the force that answers it, and how stiff a hand may then be felt.
+//! The delay from a wearer's motion to the force that answers it, and how stiff a hand may then be
+//! felt.
 //!
-//! A spring that acts late by t_d takes `K t_d` off the damping of whoever holds it, at the low frequencies at which a
-//! hand sways. Gil et al. 2009: it oscillates by itself above `K = b / (T/2 + t_d)`, with b the damping of hand and
-//! device and T the period of the loop. A grip may be loose, so the rule is kept for an assumed least one.
+//! A spring that acts late by t_d takes `K t_d` off the damping of whoever holds it, at the low
+//! frequencies at which a hand sways. Gil et al. 2009: it oscillates by itself above
+//! `K = b / (T/2 + t_d)`, with b the damping of hand and device and T the period of the loop. A
+//! grip may be loose, so the rule is kept for an assumed least one.
 
 use crate::{LoopProfile, TrackerTiming};
 
-/// Damping of a loosely held finger or hand \[N s/m\]: fingers resting on a handle have some 1 to 5 (Hajian and Howe
-/// 1997), and the least of it is assumed.
+/// Damping of a loosely held finger or hand \[N s/m\]: fingers resting on a handle have some 1 to 5
+/// (Hajian and Howe 1997), and the least of it is assumed.
 pub const GRIP: f64 = 1.0;
 /// Part of what the rule allows that is used: the rest is what a disturbance dies out by.
 pub const MARGIN: f64 = 0.85;
@@ -22,12 +24,13 @@ pub struct DelayMeter {
     last_ns: Option<u64>,
 }
 
-/// Time in which a sample loses its weight in the means \[s\], at any rate: 50 samples at 90 Hz, 14 frames at 25 Hz.
+/// Time in which a sample loses its weight in the means \[s\], at any rate: 50 samples at 90 Hz, 14
+/// frames at 25 Hz.
 const FORGETS: f64 = 0.55;
 /// What is worse weighs at least so much: four in a row come to three quarters of what they are.
 const AT_ONCE: f64 = 0.3;
-/// Samples farther apart are not of one motion \[s\]. Frames are, but longer pauses count as this one: what is felt
-/// behind them is next to nothing.
+/// Samples farther apart are not of one motion \[s\]. Frames are, but longer pauses count as this
+/// one: what is felt behind them is next to nothing.
 const PAUSE: f64 = 0.2;
 
 impl DelayMeter {
@@ -59,8 +62,9 @@ impl DelayMeter {
         self.means
     }
 
-    /// The worse of what is stated and what is seen; what is no number is as late as can be. Samples whose device tells no time seem to be of the present,
-    /// and one that states nothing is taken as it seems.
+    /// The worse of what is stated and what is seen; what is no number is as late as can be.
+    /// Samples whose device tells no time seem to be of the present, and one that states nothing is
+    /// taken as it seems.
     pub fn delay(&self, stated: Option<&TrackerTiming>) -> f64 {
         let seen = self.means.map_or(0.0, |[gap, age]| age + 0.5 * gap);
         let stated = stated.map_or(0.0, TrackerTiming::delay);
@@ -103,9 +107,9 @@ mod tests {
         assert!((behind.delay - delay).abs() < 1e-15);
     }
 
-    /// Frames that go from 100 to 25 and to 4 Hz, a period old, are noticed within half a second, or four of them,
-    /// those of 4 Hz as the latest that the meter knows apart; from the start as well. A tracker's pauses are passed
-    /// over.
+    /// Frames that go from 100 to 25 and to 4 Hz, a period old, are noticed within half a second,
+    /// or four of them, those of 4 Hz as the latest that the meter knows apart; from the start as
+    /// well. A tracker's pauses are passed over.
     #[test]
     fn frames_that_become_late_are_told_soon() {
         for from in [100_u64, 25, 4] {
@@ -132,8 +136,8 @@ mod tests {
         assert_eq!(tracker.seen(), None);
     }
 
-    /// Samples at 60 Hz, 40 ms old: half a period more. A tracker that states less is not believed, one that states
-    /// more is.
+    /// Samples at 60 Hz, 40 ms old: half a period more. A tracker that states less is not believed,
+    /// one that states more is.
     #[test]
     fn what_is_seen_counts_beside_what_is_stated() {
         let mut meter = DelayMeter::default();

@@ -1,4 +1,5 @@
-//! Interfaces of devices: what the loop asks of a tracker and of a force display, whichever they are.
+//! Interfaces of devices: what the loop asks of a tracker and of a force display, whichever they
+//! are.
 
 use crate::safety::Limits;
 use crate::{HandOutput, HandSample, LoopProfile, Rendering, TrackerTiming};
@@ -36,8 +37,8 @@ pub trait Tracker: Send {
         None
     }
 
-    /// How often it samples, how late and how noisy, where its driver or profile knows; `None` where nothing but the
-    /// samples' own times tells.
+    /// How often it samples, how late and how noisy, where its driver or profile knows; `None`
+    /// where nothing but the samples' own times tells.
     fn timing(&self) -> Option<TrackerTiming> {
         None
     }

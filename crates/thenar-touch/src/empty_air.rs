@@ -1,9 +1,10 @@
-//! What is felt is contact: the coupling's force less that of the same hand, led the same way, in empty air.
+//! What is felt is contact: the coupling's force less that of the same hand, led the same way, in
+//! empty air.
 //!
-//! The simulated flesh resists bending, springs act at its joints, and a hand lags behind its drives. All of this the
-//! couplings bear, and none of it is the wearer's to feel: a hand of one's own has flesh already. So each mode
-//! keeps, beside the hand that is simulated, what this hand would do if it touched nothing and bore no load, and
-//! subtracts what its couplings bear:
+//! The simulated flesh resists bending, springs act at its joints, and a hand lags behind its
+//! drives. All of this the couplings bear, and none of it is the wearer's to feel: a hand of one's
+//! own has flesh already. So each mode keeps, beside the hand that is simulated, what this hand
+//! would do if it touched nothing and bore no load, and subtracts what its couplings bear:
 //!
 //! | mode | the hand in empty air |
 //! |---|---|
@@ -11,8 +12,8 @@
 //! | single-rate | the hand alone in a world of its own ([`EmptyAirHand`]), stepped while something acts |
 //! | multirate | the same, stepped always, and own proxies; what is felt comes with frames |
 //!
-//! Both hands have the same limits of joints, weight and flesh. Where nothing touches and nothing loads the hand they
-//! do the same, number by number, and what is felt is zero however it moves.
+//! Both hands have the same limits of joints, weight and flesh. Where nothing touches and nothing
+//! loads the hand they do the same, number by number, and what is felt is zero however it moves.
 //!
 //! [`SharedConstraints::in_empty_air`]: crate::shared::SharedConstraints::in_empty_air
 
@@ -31,8 +32,8 @@ pub struct EmptyAirHand {
 }
 
 impl EmptyAirHand {
-    /// The hand of these bones as it is. Of a weightless one the input carries the weight, as wrenches on its bones and
-    /// forces on its nodes. Allocates all it needs.
+    /// The hand of these bones as it is. Of a weightless one the input carries the weight, as
+    /// wrenches on its bones and forces on its nodes. Allocates all it needs.
     ///
     /// # Errors
     /// Its bones cannot be taken out of the world.
@@ -55,8 +56,8 @@ impl EmptyAirHand {
         self.alone.retune(world)
     }
 
-    /// One step of `h` \[s\] to these targets. What else acts in the whole world acts here but for contact and loads:
-    /// wrenches on the bones.
+    /// One step of `h` \[s\] to these targets. What else acts in the whole world acts here but for
+    /// contact and loads: wrenches on the bones.
     pub fn step(&mut self, h: f64, targets: impl Iterator<Item = Option<Target>>, whole: &Input) {
         let Self { alone, input, weightless } = self;
         alone.copy_input(whole, input);
@@ -103,8 +104,9 @@ mod tests {
     use crate::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch};
     use thenar_core::math::{Mat3, Pose, Vec3};
 
-    /// Contact holds a bone 5 mm off for some frames, which tell of the hand in empty air; then frames come that do not:
-    /// nothing of that contact is left, and all that the coupling bears is felt, nothing for a bone where its hand is.
+    /// Contact holds a bone 5 mm off for some frames, which tell of the hand in empty air; then
+    /// frames come that do not: nothing of that contact is left, and all that the coupling bears is
+    /// felt, nothing for a bone where its hand is.
     #[test]
     fn frames_without_a_hand_in_empty_air_forget_its_contact() {
         let at = |x: f64| RigidState::at_rest(Pose::translation(x, 0.0, 0.0));

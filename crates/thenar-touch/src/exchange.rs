@@ -1,5 +1,6 @@
-//! What crosses from the haptic loop to the simulation; the way back is a [`SlowToFast`](crate::SlowToFast). Plain data
-//! of fixed size: the program around moves it through latest-value slots, and neither side ever waits for the other.
+//! What crosses from the haptic loop to the simulation; the way back is a
+//! [`SlowToFast`](crate::SlowToFast). Plain data of fixed size: the program around moves it through
+//! latest-value slots, and neither side ever waits for the other.
 
 use crate::RigidState;
 
@@ -12,7 +13,8 @@ pub struct FastToSlow {
     pub tick: u64,
     /// The proxies; `RigidState::target` makes them targets of `world::Input`.
     pub proxies: Vec<RigidState>,
-    /// Where they would be if the hand touched nothing: the targets of a simulated hand in empty air.
+    /// Where they would be if the hand touched nothing: the targets of a simulated hand in empty
+    /// air.
     pub free: Vec<RigidState>,
 }
 

@@ -1,19 +1,20 @@
-//! How stiff a hand is felt: as its couplings are, and no stiffer than the delay of this tracker, these frames and this
-//! display bears in a loose grip.
+//! How stiff a hand is felt: as its couplings are, and no stiffer than the delay of this tracker,
+//! these frames and this display bears in a loose grip.
 
 use crate::{DelayMeter, LoopProfile, MARGIN, Observation, TrackerTiming};
 
-/// How fast what is felt of a hand grows when delays become less, per second: twice as much within a second.
+/// How fast what is felt of a hand grows when delays become less, per second: twice as much within
+/// a second.
 const GROWS: f64 = 0.7;
 /// How fast it falls when they become more, per second: half as much within a quarter of a second.
 const FALLS: f64 = 2.8;
 
-/// How fast what is known of the tracker's noise follows more of it and less \[s\]: memory wavers from sample to sample, and a
-/// loose hand answers to what it is within a tenth of a second.
+/// How fast what is known of the tracker's noise follows more of it and less \[s\]: memory wavers
+/// from sample to sample, and a loose hand answers to what it is within a tenth of a second.
 const NOISE: [f64; 2] = [0.1, 0.5];
 
-/// Growth begins at so much \[N/m\], which the rule allows a loose grip behind almost a second: from nothing it would never
-/// begin.
+/// Growth begins at so much \[N/m\], which the rule allows a loose grip behind almost a second:
+/// from nothing it would never begin.
 const LEAST: f64 = 1.0;
 
 /// What bounds the stiffness that is felt.
@@ -68,8 +69,8 @@ impl Felt {
         (self.meter, self.heard, self.noisy) = (DelayMeter::default(), false, 0.0);
     }
 
-    /// How late the wearer's motion is seen, and answered by what is sent \[s\]. Observers make up for what they add where
-    /// hands sway slowly, but not for what noise does.
+    /// How late the wearer's motion is seen, and answered by what is sent \[s\]. Observers make up
+    /// for what they add where hands sway slowly, but not for what noise does.
     pub fn seen_late(&self) -> f64 {
         let delay = self.meter.delay(self.stated.as_ref());
         let noise = self.noisy * self.bounds.observation.noisy;
@@ -86,9 +87,9 @@ impl Felt {
         self.bounds.profile.later(self.meter.delay(self.stated.as_ref()) + added)
     }
 
-    /// Goes on by `h` \[s\] with a hand that is seen this `noisy` (1 remembered for 50 ms): what may be felt follows the delay,
-    /// without a step.
-    /// `added` is what frames add to each bone's on top of, or instead of, what observation adds \[s\]: see
+    /// Goes on by `h` \[s\] with a hand that is seen this `noisy` (1 remembered for 50 ms): what
+    /// may be felt follows the delay, without a step. `added` is what frames add to each bone's on
+    /// top of, or instead of, what observation adds \[s\]: see
     /// [`Touch::added_delay`](crate::Touch::added_delay).
     pub fn step(&mut self, h: f64, noisy: f64, added: impl Fn(usize, f64) -> f64) {
         let within = NOISE[usize::from(noisy < self.noisy)];
@@ -156,8 +157,9 @@ mod tests {
         }
     }
 
-    /// 90 Hz and 40 ms late: within 80 and 100 % of `b / (T/2 + t_d)` with all of the delay, and softer couplings as
-    /// they are. A tracker that becomes faster is felt stiffer little by little.
+    /// 90 Hz and 40 ms late: within 80 and 100 % of `b / (T/2 + t_d)` with all of the delay, and
+    /// softer couplings as they are. A tracker that becomes faster is felt stiffer little by
+    /// little.
     #[test]
     fn stiffness_is_cut_to_the_rule() {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0, 3.0]);
@@ -190,8 +192,8 @@ mod tests {
         assert_eq!(all.part(0), 1.0);
     }
 
-    /// The guards' account meets motion as it is seen with what was sent: frames and observation are in the delay that
-    /// bounds stiffness, and not in that.
+    /// The guards' account meets motion as it is seen with what was sent: frames and observation
+    /// are in the delay that bounds stiffness, and not in that.
     #[test]
     fn guards_do_not_reckon_with_frames() {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
@@ -201,8 +203,8 @@ mod tests {
         assert!((felt.delay(0) - (0.015 + 0.01 - 0.3 * 0.015 + 0.05)).abs() < 1e-12);
     }
 
-    /// Nobody was tracked for a while: what is felt begins as the first tracker's delay has it, not from what no delay
-    /// would allow; and likewise for the next tracker of the hand.
+    /// Nobody was tracked for a while: what is felt begins as the first tracker's delay has it, not
+    /// from what no delay would allow; and likewise for the next tracker of the hand.
     #[test]
     fn what_is_felt_begins_with_the_trackers_delay() {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
@@ -238,8 +240,8 @@ mod tests {
         assert_eq!(DelayMeter::default().delay(Some(&nonsense)), f64::INFINITY);
     }
 
-    /// A simulation that falls from 100 to 20 frames a second is felt as much softer within half a second, and each
-    /// bone by its own delay.
+    /// A simulation that falls from 100 to 20 frames a second is felt as much softer within half a
+    /// second, and each bone by its own delay.
     #[test]
     fn frames_that_become_late_are_felt_softer_at_once() {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0, 400.0]);
@@ -258,8 +260,8 @@ mod tests {
         assert!((felt.delay(1) - 0.205).abs() < 1e-12);
     }
 
-    /// Noise that begins is felt softer within half a second, and the guards' account reckons with what it delays; once it is
-    /// gone, what is felt grows again.
+    /// Noise that begins is felt softer within half a second, and the guards' account reckons with
+    /// what it delays; once it is gone, what is felt grows again.
     #[test]
     fn noise_is_felt_softer() {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);

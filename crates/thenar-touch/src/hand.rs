@@ -51,17 +51,18 @@ impl Default for HandSettings {
     }
 }
 
-/// Part of the masses that proxies keep with shared constraints. There bones follow their proxies without
-/// any mass, so that their couplings damp nothing in free air, and a proxy of a palm's mass would ring on the
-/// device coupling.
+/// Part of the masses that proxies keep with shared constraints. There bones follow their proxies
+/// without any mass, so that their couplings damp nothing in free air, and a proxy of a palm's mass
+/// would ring on the device coupling.
 const LIGHT: f64 = 0.01;
 /// So far bones are always carried on \[s\]: no more than the proxies lag.
 const ALWAYS: f64 = 0.004;
 /// A frame that is older than this part of a period when it arrives is late.
 const LATE: f64 = 0.75;
 
-/// Without a response, what contact did when there last was one is felt for so long, and then fades within as long
-/// again \[s\]: a step that could not be factored is made up for, and what the hand's flesh bears is never felt.
+/// Without a response, what contact did when there last was one is felt for so long, and then fades
+/// within as long again \[s\]: a step that could not be factored is made up for, and what the
+/// hand's flesh bears is never felt.
 const UNANSWERED: f64 = 0.05;
 
 /// Report of one tick of a hand.
@@ -101,11 +102,13 @@ pub struct HapticHand {
     shared_step: Option<u64>,
     /// Step and time of the newest frame.
     newest: Option<(u64, u64)>,
-    /// How often frames come and how old they are, the last that was heard, and whether it has a response that is used.
+    /// How often frames come and how old they are, the last that was heard, and whether it has a
+    /// response that is used.
     frames: DelayMeter,
     frame_heard: Option<u64>,
     responds: bool,
-    /// With shared constraints, time since a frame had a response \[s\]; the part of the force that is felt.
+    /// With shared constraints, time since a frame had a response \[s\]; the part of the force that
+    /// is felt.
     unanswered: f64,
     answered: f64,
     /// The newest frame's bones, at velocities that are believed.
@@ -114,7 +117,8 @@ pub struct HapticHand {
     periods_when_late: f64,
     /// Simulated bones are carried on for as long as this, slowing down \[s\].
     reach: f64,
-    /// Joints that keep bones on their arcs, and where shared constraints had bones in the last ticks.
+    /// Joints that keep bones on their arcs, and where shared constraints had bones in the last
+    /// ticks.
     arcs: Arcs,
     settled: Vec<Settled>,
     /// Simulated ends of the couplings in this tick.
@@ -185,8 +189,9 @@ impl HapticHand {
         })
     }
 
-    /// Keeps these joints closed where bones turn between two frames, by up to half a radian. A joint whose parent's number is not
-    /// below its child's is passed over, as is one of a bone that the hand lacks; of several to one child the first counts.
+    /// Keeps these joints closed where bones turn between two frames, by up to half a radian. A
+    /// joint whose parent's number is not below its child's is passed over, as is one of a bone
+    /// that the hand lacks; of several to one child the first counts.
     pub fn tie(&mut self, joints: impl IntoIterator<Item = Tie>) {
         self.arcs.tie(joints);
     }
@@ -257,9 +262,9 @@ impl HapticHand {
         Resolution::default()
     }
 
-    /// The bones of the hand in empty air between two frames: as far from the simulated ones as contact held them
-    /// in the frame, so that what is felt comes with frames. Where that was never known, all is felt: that hand is
-    /// wherever its wearer is.
+    /// The bones of the hand in empty air between two frames: as far from the simulated ones as
+    /// contact held them in the frame, so that what is felt comes with frames. Where that was never
+    /// known, all is felt: that hand is wherever its wearer is.
     fn place_free(&mut self) {
         let Free { bones, held, .. } = &mut self.free;
         for (i, held) in held.iter().enumerate() {
@@ -291,11 +296,12 @@ impl HapticHand {
     }
 
     /// Bones go on at their velocities, but not faster than they went from frame to frame (a
-    /// simulation slower than real time moves less than its velocities say), and not far: what the simulation sees of
-    /// its own motion comes back to it through the proxies, later, and must come back smaller. With r the part of the
-    /// bone coupling in the proxies' stiffness and bones carried on by e periods, one step answers the last with r
-    /// ((1 + e) b₁ - e b₀): stable up to e = 1 when frames arrive within their period. When they arrive later, and
-    /// the answer is two steps old, r (1 + 2 e) < 1 is.
+    /// simulation slower than real time moves less than its velocities say), and not far: what the
+    /// simulation sees of its own motion comes back to it through the proxies, later, and must come
+    /// back smaller. With r the part of the bone coupling in the proxies' stiffness and bones
+    /// carried on by e periods, one step answers the last with r ((1 + e) b₁ - e b₀): stable up to
+    /// e = 1 when frames arrive within their period. When they arrive later, and the answer is two
+    /// steps old, r (1 + 2 e) < 1 is.
     fn take_frame(&mut self, frame: &SlowToFast, age: f64) {
         let period = self.newest.map_or(0.0, |(_, before)| seconds_between(before, frame.time_ns));
         let both = self.carried.iter_mut().zip(&frame.bones);
@@ -382,7 +388,8 @@ impl Touch for HapticHand {
     fn added_delay(&self, bone: usize, observed: f64) -> f64 {
         let Some([period, age]) = self.frames.seen() else { return BLEND.max(observed) };
         if self.responds {
-            // What listed contacts answer is not late by frames, and what begins with a frame is no sway.
+            // What listed contacts answer is not late by frames, and what begins with a frame is no
+            // sway.
             of_shared_constraints(period, age).max(observed)
         } else {
             of_multirate(&self.proxies.proxies()[bone], period, age) + observed

@@ -1,32 +1,36 @@
 //! What frames add to the delay from a wearer's motion to the force that answers it.
 //!
-//! A frame answers the hand as it was when its inputs were taken. It arrives L later and is used for a period P, so
-//! that it is old by `L + P/2` on the mean and by `Δ = L + P` at the end. What that does to the wearer is another
-//! thing in each mode; each is derived for a hand that moves at a speed v against a bone that cannot move.
+//! A frame answers the hand as it was when its inputs were taken. It arrives L later and is used
+//! for a period P, so that it is old by `L + P/2` on the mean and by `Δ = L + P` at the end. What
+//! that does to the wearer is another thing in each mode; each is derived for a hand that moves at
+//! a speed v against a bone that cannot move.
 //!
-//! **Multirate.** Contact is felt with frames only: of two equal hands, one is held by contact and one is not, and
-//! frames say how far they are from each other. The free one's bone is where its proxy was when the frame's
-//! inputs were taken, and draws the proxy back by its coupling k_s. With k_h to the wearer and `r = k_h/(k_h + k_s)`
-//! the proxy goes at r v within a frame and leaps at its end, so that inputs taken then, which is the worst time, are
-//! behind the mean by another `(1 - r) P/2`. The coupling's damper c_s, whose bone stands still between frames, draws
-//! at both proxies as well. With `k = r k_s` and τ, in which corrections of frames are blended in, what is felt is
+//! **Multirate.** Contact is felt with frames only: of two equal hands, one is held by contact and
+//! one is not, and frames say how far they are from each other. The free one's bone is where its
+//! proxy was when the frame's inputs were taken, and draws the proxy back by its coupling k_s. With
+//! k_h to the wearer and `r = k_h/(k_h + k_s)` the proxy goes at r v within a frame and leaps at
+//! its end, so that inputs taken then, which is the worst time, are behind the mean by another
+//! `(1 - r) P/2`. The coupling's damper c_s, whose bone stands still between frames, draws at both
+//! proxies as well. With `k = r k_s` and τ, in which corrections of frames are blended in, what is
+//! felt is
 //!
 //! ```text
 //! F = k (x - v t),  t = Δ/r - P/2 + (1 - r²) c_s/k + τ
 //! ```
 //!
-//! **Shared constraints.** Listed contacts answer in the very tick; one that a frame does not list begins up to Δ
-//! late, v Δ deep, and is then blended in. Against a contact that begins in time the wearer is spared, on the way in,
-//! `k (v Δ)²/2 + k v Δ v τ`, while a grip of damping b takes up `2 b v D` on a way of depth D there and back. A contact
-//! is felt at all if D is v Δ or more, and the worst is D = v Δ: as bad as a spring late by `Δ/4 + τ/2`. What frames
-//! correct of contacts that they list is late by no more than τ.
+//! **Shared constraints.** Listed contacts answer in the very tick; one that a frame does not list
+//! begins up to Δ late, v Δ deep, and is then blended in. Against a contact that begins in time the
+//! wearer is spared, on the way in, `k (v Δ)²/2 + k v Δ v τ`, while a grip of damping b takes up
+//! `2 b v D` on a way of depth D there and back. A contact is felt at all if D is v Δ or more, and
+//! the worst is D = v Δ: as bad as a spring late by `Δ/4 + τ/2`. What frames correct of contacts
+//! that they list is late by no more than τ.
 //!
 //! **Single-rate** has no frames.
 
 use crate::{BLEND, Proxy, series_stiffness};
 
-/// Delay in multirate of what is felt through this proxy \[s\], of frames every `period` \[s\] that are `age` \[s\] old
-/// on arrival.
+/// Delay in multirate of what is felt through this proxy \[s\], of frames every `period` \[s\] that
+/// are `age` \[s\] old on arrival.
 pub(super) fn of_multirate(proxy: &Proxy, period: f64, age: f64) -> f64 {
     let (hand, bone) = (proxy.device.stiffness, proxy.bone.stiffness);
     let series = series_stiffness(hand, bone);
@@ -54,10 +58,10 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// How late force is on the mean \[s\], of a hand that goes evenly into a bone that is held; the simulation in empty
-    /// air follows its proxies at once, with frames every `period` ms that arrive `latency` ms after their inputs.
-    /// Beside it the delay by the derivation above for inputs that are taken where they are taken, without blending,
-    /// and the rule.
+    /// How late force is on the mean \[s\], of a hand that goes evenly into a bone that is held;
+    /// the simulation in empty air follows its proxies at once, with frames every `period` ms that
+    /// arrive `latency` ms after their inputs. Beside it the delay by the derivation above for
+    /// inputs that are taken where they are taken, without blending, and the rule.
     fn seen(design: &CouplingDesign, mass: f64, [period, latency]: [u64; 2]) -> [f64; 3] {
         let proxy = design.proxy(mass, &Mat3::from_diagonal_element(1e-6));
         let at = |x: f64| RigidState::at_rest(Pose::translation(x, 0.0, 0.0));
@@ -102,10 +106,11 @@ mod tests {
         [sum / count / speed, theory, hand.added_delay(0, 0.0)]
     }
 
-    /// Every part of the rule by itself: equal couplings and unequal ones, light bones and heavy ones, frames at once
-    /// and a period late. What is seen is theory's within the blend, which acts on what proxies do not smooth
-    /// themselves, two ticks, by which inputs are late, and a twentieth, by which heavy proxies do not come to rest
-    /// within a frame; and no more than the rule says.
+    /// Every part of the rule by itself: equal couplings and unequal ones, light bones and heavy
+    /// ones, frames at once and a period late. What is seen is theory's within the blend, which
+    /// acts on what proxies do not smooth themselves, two ticks, by which inputs are late, and a
+    /// twentieth, by which heavy proxies do not come to rest within a frame; and no more than the
+    /// rule says.
     #[test]
     fn multirate_is_as_late_as_the_rule_says() {
         let equal = CouplingDesign::default();

@@ -1,7 +1,7 @@
 //! The wearer's hand in one tick, as it was observed upstream: one state per bone, taken as it is.
 //!
-//! Nothing here estimates a velocity, predicts, smooths or doubts: that was done once, before (`thenar_track::live`),
-//! and whoever leads a hand says when it is somewhere else.
+//! Nothing here estimates a velocity, predicts, smooths or doubts: that was done once, before
+//! (`thenar_track::live`), and whoever leads a hand says when it is somewhere else.
 
 use crate::{RigidState, seconds_between};
 
@@ -52,8 +52,8 @@ impl LedHand {
         passed.clamp(0.0, most)
     }
 
-    /// Places the hand in this tick. A bone that was never led is where its simulated one is; one that is led no more stands
-    /// still.
+    /// Places the hand in this tick. A bone that was never led is where its simulated one is; one
+    /// that is led no more stands still.
     pub(crate) fn place(&mut self, bones: &[RigidState]) {
         for (i, state) in self.states.iter_mut().enumerate() {
             self.set_out[i] = std::mem::take(&mut self.sets_out[i]);

@@ -1,13 +1,15 @@
 //! Touch (Sec. 5): what runs at the device's rate, between a tracked hand and a slower simulation.
 //!
-//! Whoever audits what pushes on a person reads this crate. It knows no scene and no device: trackers and displays are
-//! traits ([`Tracker`], [`ForceDisplay`]), and so is the simulation ([`haptic_loop::Simulation`]). Two floors:
+//! Whoever audits what pushes on a person reads this crate. It knows no scene and no device:
+//! trackers and displays are traits ([`Tracker`], [`ForceDisplay`]), and so is the simulation
+//! ([`haptic_loop::Simulation`]). Two floors:
 //!
-//! - pure below: couplings, proxies, contact on frames ([`shared`]), delays, [`safety`]. Time, samples and the newest
-//!   simulation frame are arguments, forces are results;
+//! - pure below: couplings, proxies, contact on frames ([`shared`]), delays, [`safety`]. Time,
+//!   samples and the newest simulation frame are arguments, forces are results;
 //! - above, in [`haptic_loop`]: the thread that ticks, its watchdog and its monitor.
 //!
-//! A hand's samples become poses in `thenar-track`; bytes leave for devices in `thenar-link`, behind one more check.
+//! A hand's samples become poses in `thenar-track`; bytes leave for devices in `thenar-link`,
+//! behind one more check.
 //!
 //! Three words: the **hand** is what is tracked, the **bones** are what is simulated, and between
 //! the two each bone has a **proxy**, held by the device coupling and by the bone coupling.

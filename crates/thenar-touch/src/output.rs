@@ -64,8 +64,8 @@ pub enum Rendering {
 }
 
 impl Rendering {
-    /// Limits as this rendering asks for them: finger pads press or do not, and what would pull a finger
-    /// in is nothing to show; a stop lets a finger go that opens, whatever force is wanted.
+    /// Limits as this rendering asks for them: finger pads press or do not, and what would pull a
+    /// finger in is nothing to show; a stop lets a finger go that opens, whatever force is wanted.
     pub fn limits(self, own: Limits) -> Limits {
         match self {
             Self::Wrench => own,

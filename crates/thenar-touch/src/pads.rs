@@ -25,7 +25,8 @@ pub struct Pad {
 pub struct PadReading {
     /// Force of the device coupling on the wearer, world \[N\].
     pub force_W: Vec3,
-    /// Part of the force along the inward pad normal \[N\]: positive when something presses on the pad.
+    /// Part of the force along the inward pad normal \[N\]: positive when something presses on the
+    /// pad.
     pub pad_force: f64,
     /// Mean velocity of the tracked pad against its ground since the last reading, along the same
     /// normal \[m/s\]:

@@ -1,5 +1,5 @@
-//! Between two frames of the simulation the haptic loop goes on: bones are carried forward by their velocity, not far, and
-//! then held.
+//! Between two frames of the simulation the haptic loop goes on: bones are carried forward by their
+//! velocity, not far, and then held.
 
 use crate::RigidState;
 

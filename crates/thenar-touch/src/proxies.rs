@@ -13,8 +13,8 @@
 //! Guaranteed, for any stiffness, damping and step: with targets that stand still, kinetic plus
 //! spring energy never grows. Angular springs are `k log(R_t Rᵀ)`, exact up to half a turn: at rest
 //! torque is stiffness times angle, and the way back is the shorter one. Their linearisation takes
-//! stiffness k in all directions; the true one is less across the axis of a large turn (k/2 θ cot θ/2),
-//! so a step errs on the slow side there, at second order in the step. Not guaranteed: the
+//! stiffness k in all directions; the true one is less across the axis of a large turn (k/2 θ cot
+//! θ/2), so a step errs on the slow side there, at second order in the step. Not guaranteed: the
 //! direction of turn at exactly half a turn, where both are equally short.
 
 use crate::RigidState;

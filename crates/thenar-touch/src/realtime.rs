@@ -1,11 +1,13 @@
 //! Real time, as far as the system gives it: priority, memory and stacks that stay in place.
 
-/// Threads and processes of touch, the least urgent first. All are above everything that is not real-time.
+/// Threads and processes of touch, the least urgent first. All are above everything that is not
+/// real-time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Urgency {
     /// The loop.
     Loop,
-    /// The thread behind a device that shows forces, above the loop: a loop gone wild cannot keep it from letting the wearer go.
+    /// The thread behind a device that shows forces, above the loop: a loop gone wild cannot keep
+    /// it from letting the wearer go.
     Device,
     /// The watchdog, above both for the same reason.
     Watchdog,
@@ -58,8 +60,9 @@ fn cause(error: thread_priority::Error) -> String {
     }
 }
 
-/// Keeps the memory that is in use now, stacks of all threads included, from being paged out. What is allocated later is
-/// locked by asking again: locking all there will be would end the program at its limit.
+/// Keeps the memory that is in use now, stacks of all threads included, from being paged out. What
+/// is allocated later is locked by asking again: locking all there will be would end the program at
+/// its limit.
 ///
 /// # Errors
 /// The system refuses; the cause, for a person.
@@ -78,7 +81,8 @@ pub fn lock_memory() -> Result<(), String> {
     Err("not done on this system".into())
 }
 
-/// Stack that a tick may need \[B\]: threads have 2 MiB, the deepest path of a tick seen uses some tens of KiB.
+/// Stack that a tick may need \[B\]: threads have 2 MiB, the deepest path of a tick seen uses some
+/// tens of KiB.
 const STACK: usize = 256 * 1024;
 /// Size of a page \[B\], or a part of it.
 const PAGE: usize = 4096;
@@ -130,7 +134,8 @@ mod tests {
             touch_stack();
             resident()
         });
-        // Before, it may have fewer: not where another test has locked all memory, or this stack was another thread's.
+        // Before, it may have fewer: not where another test has locked all memory, or this stack
+        // was another thread's.
         let after = thread.join().unwrap();
         assert!(after >= STACK, "{after} B");
     }

@@ -33,8 +33,8 @@ impl Default for SingleRateSettings {
     }
 }
 
-/// The hand does what it would do in empty air when its couplings bear no more than this beyond \[N\], \[N m\]: a
-/// fiftieth of what a finger feels, and that at the lever of half a phalanx.
+/// The hand does what it would do in empty air when its couplings bear no more than this beyond
+/// \[N\], \[N m\]: a fiftieth of what a finger feels, and that at the lever of half a phalanx.
 const ALIKE: [f64; 2] = [1e-4, 2e-6];
 
 /// A hand whose world steps within the haptic tick.
@@ -65,7 +65,8 @@ impl SingleRate {
     /// Allocates all it needs.
     ///
     /// # Errors
-    /// The hand cannot be taken out of its world: what it does in empty air, which is not to be felt, is not known.
+    /// The hand cannot be taken out of its world: what it does in empty air, which is not to be
+    /// felt, is not known.
     pub fn new(
         settings: SingleRateSettings,
         world: World,

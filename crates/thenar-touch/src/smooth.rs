@@ -1,16 +1,17 @@
 //! Forces without steps where one frame takes over from another.
 //!
-//! A new frame knows better what the last one could only carry on: it corrects the force of the very next tick, and
-//! at 60 frames a second such corrections are felt as ticking. What it corrects, of the force as it went on in the
-//! last tick, is kept as an offset and let go exponentially, so that a correction of J moves the force by no more
-//! than `J h/τ` in a tick of h. A force that goes on evenly is not held up. Frames of every tick have nothing between
-//! them to be smooth.
+//! A new frame knows better what the last one could only carry on: it corrects the force of the
+//! very next tick, and at 60 frames a second such corrections are felt as ticking. What it
+//! corrects, of the force as it went on in the last tick, is kept as an offset and let go
+//! exponentially, so that a correction of J moves the force by no more than `J h/τ` in a tick of h.
+//! A force that goes on evenly is not held up. Frames of every tick have nothing between them to be
+//! smooth.
 
 use thenar_core::math::Vec3;
 
-/// Time constant in which a frame's correction is let in \[s\]: a seventh of it in the first millisecond, of the
-/// paper's scenes' largest, 0.3 N where a car is touched, less than 0.05 N. The correction, and nothing else, is
-/// later by so much.
+/// Time constant in which a frame's correction is let in \[s\]: a seventh of it in the first
+/// millisecond, of the paper's scenes' largest, 0.3 N where a car is touched, less than 0.05 N. The
+/// correction, and nothing else, is later by so much.
 pub const BLEND: f64 = 0.0065;
 
 /// Offsets of all bones.
@@ -24,7 +25,8 @@ pub(super) struct Smooth {
     /// The last tick was on the same frame as the one before it: the force's rate is known.
     went_on: bool,
     offsets: Vec<[Vec3; 2]>,
-    /// What acted, and what was felt in the last tick, and how much more that was than in the one before.
+    /// What acted, and what was felt in the last tick, and how much more that was than in the one
+    /// before.
     acted: Vec<[Vec3; 2]>,
     before: Vec<[Vec3; 2]>,
     rates: Vec<[Vec3; 2]>,
@@ -78,9 +80,9 @@ impl Smooth {
 mod tests {
     use super::*;
 
-    /// A force that rises by 2 N/s, and that every frame of 16 ms corrects by 0.25 N: no tick changes it by more than
-    /// its rise and the part of the correction that the time constant lets in; between frames it closes in on what
-    /// acts.
+    /// A force that rises by 2 N/s, and that every frame of 16 ms corrects by 0.25 N: no tick
+    /// changes it by more than its rise and the part of the correction that the time constant lets
+    /// in; between frames it closes in on what acts.
     #[test]
     fn corrections_of_frames_come_in_little_by_little() {
         let mut smooth = Smooth::new(1);

@@ -16,13 +16,14 @@ pub trait Touch {
     /// The wearer's hand, to be led.
     fn hand_mut(&mut self) -> &mut LedHand;
 
-    /// Leads bone `bone` in the tick that comes. The state is of that tick, as it was observed upstream, and is taken
-    /// as it is; what is not finite leads nowhere.
+    /// Leads bone `bone` in the tick that comes. The state is of that tick, as it was observed
+    /// upstream, and is taken as it is; what is not finite leads nowhere.
     fn lead(&mut self, bone: usize, state: RigidState) {
         self.hand_mut().lead(bone, state);
     }
 
-    /// Bone `bone` of the hand is somewhere else from the next tick on, as where a scene began anew: nothing of before goes on.
+    /// Bone `bone` of the hand is somewhere else from the next tick on, as where a scene began
+    /// anew: nothing of before goes on.
     fn set_out(&mut self, bone: usize) {
         self.hand_mut().set_out(bone);
     }
@@ -38,7 +39,8 @@ pub trait Touch {
         self.hand().states()
     }
 
-    /// True for a bone that jumped in the last tick: it was lost and found elsewhere, or teleported.
+    /// True for a bone that jumped in the last tick: it was lost and found elsewhere, or
+    /// teleported.
     fn jumped(&self, bone: usize) -> bool {
         self.hand().has_set_out(bone)
     }
@@ -46,8 +48,8 @@ pub trait Touch {
     /// Where the simulated bones were taken to be in the last tick.
     fn bones(&self) -> &[RigidState];
 
-    /// What frames of the simulation and observation, which alone adds `observed`, add together to the delay from a
-    /// motion of bone `bone` to the force that answers it \[s\].
+    /// What frames of the simulation and observation, which alone adds `observed`, add together to
+    /// the delay from a motion of bone `bone` to the force that answers it \[s\].
     fn added_delay(&self, bone: usize, observed: f64) -> f64;
 
     /// Force \[N\] and torque about the bone's centre \[N m\] on the wearer, world, per bone.

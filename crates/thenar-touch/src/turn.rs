@@ -5,8 +5,9 @@ use thenar_core::math::{Quat, Vec3};
 /// Squared sine of half the angle up to which the series is used: 3.6 degrees.
 const SMALL: f64 = 1e-3;
 
-/// The rotation vector of a rotation \[rad\], the shorter way round: [`thenar_core::math::rotation_vector`] to round-off. Of small turns
-/// by the series of `2 asin(s)/s` in s², without a root and an arc tangent.
+/// The rotation vector of a rotation \[rad\], the shorter way round:
+/// [`thenar_core::math::rotation_vector`] to round-off. Of small turns by the series of
+/// `2 asin(s)/s` in s², without a root and an arc tangent.
 pub(crate) fn rotation_vector(q: &Quat) -> Vec3 {
     let v = q.imag();
     let s2 = v.norm_squared();
@@ -24,8 +25,8 @@ mod tests {
     use crate::testing::Random;
     use thenar_core::math::rotation_vector as exact;
 
-    /// About any axis, by angles from nothing to half a turn, on both sides of where the series ends, and with either sign of the
-    /// quaternion: the vector that made the rotation.
+    /// About any axis, by angles from nothing to half a turn, on both sides of where the series
+    /// ends, and with either sign of the quaternion: the vector that made the rotation.
     #[test]
     fn turns_are_those_that_made_them() {
         let mut random = Random::new(5);

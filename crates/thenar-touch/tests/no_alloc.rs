@@ -1,5 +1,6 @@
 //! Goal: a haptic tick allocates nothing. Method: a global allocator that counts, around ticks of a
-//! hand of 16 bones with new frames, contacts, guards and a trip; around frames that a world publishes.
+//! hand of 16 bones with new frames, contacts, guards and a trip; around frames that a world
+//! publishes.
 
 #[path = "../../thenar-core/tests/common/mod.rs"]
 mod common;

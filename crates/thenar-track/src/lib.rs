@@ -2,11 +2,13 @@
 //!
 //! Two ways lead there, and both carry joints over to our hand in the same manner ([`Retarget`]):
 //!
-//! - [`live`]: poses that arrive while a simulation runs are checked, observed, carried forward and followed. This is
-//!   the one place where a tracked hand's velocity is estimated, where it is predicted, and where jumps are answered;
+//! - [`live`]: poses that arrive while a simulation runs are checked, observed, carried forward and
+//!   followed. This is the one place where a tracked hand's velocity is estimated, where it is
+//!   predicted, and where jumps are answered;
 //! - [`Recorded`]: a recording of a tracked hand becomes a motion, a function of time alone.
 //!
-//! Nothing here knows scenes, rigs, devices or forces. No clock is read, and nothing is allocated once a hand is made.
+//! Nothing here knows scenes, rigs, devices or forces. No clock is read, and nothing is allocated
+//! once a hand is made.
 
 mod anatomy;
 mod angles;

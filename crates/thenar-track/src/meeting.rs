@@ -1,8 +1,9 @@
 //! Pads that meet on the tracked hand meet on ours.
 //!
-//! Hands differ in their proportions, so equal rotations bring a thumb and a finger that touch to places some centimetres
-//! apart. As the tracked pads come near, the pads of our hand are therefore brought to each other, at the distance of the
-//! tracked ones times the size of the hand [Handa et al. 2020, DexPilot, does so for robots' hands]:
+//! Hands differ in their proportions, so equal rotations bring a thumb and a finger that touch to
+//! places some centimetres apart. As the tracked pads come near, the pads of our hand are therefore
+//! brought to each other, at the distance of the tracked ones times the size of the hand [Handa et
+//! al. 2020, DexPilot, does so for robots' hands]:
 //!
 //! ```text
 //!  weight 1 ──────╮            press ─────╮
@@ -12,9 +13,10 @@
 //!                    gap between the tracked pads
 //! ```
 //!
-//! `weight` is how much pads that meet count for the thumb, which several fingers share, and how far each digit goes from
-//! where rotations bring it; `press` is how far pads go into each other, since trackers do not see force. Pads that do not
-//! face each other are left alone: a thumb on the back of a finger pinches nothing.
+//! `weight` is how much pads that meet count for the thumb, which several fingers share, and how
+//! far each digit goes from where rotations bring it; `press` is how far pads go into each other,
+//! since trackers do not see force. Pads that do not face each other are left alone: a thumb on the
+//! back of a finger pinches nothing.
 
 use crate::calibration::{BoneLengths, RATIOS};
 use crate::reach::{ALONG, Angles, Chain, FREEDOMS_MAX, PadPlace, Reached, step_within};
@@ -24,19 +26,20 @@ use nalgebra::{SMatrix, SVector};
 use thenar_core::model::{Digit, HandModel};
 use thenar_core::{Pose, Quat, Vec3};
 
-/// How far pads that meet press into each other \[m\]: usual drives hold the tip of a bent digit with some 330 N/m, and
-/// give 1.5 N for 4.5 mm on either side.
+/// How far pads that meet press into each other \[m\]: usual drives hold the tip of a bent digit
+/// with some 330 N/m, and give 1.5 N for 4.5 mm on either side.
 const PRESS: f64 = 9e-3;
-/// Gap at which pads are led by rotations alone, and from which on by each other, in sums of their radii: from a pad's
-/// breadth and a half to what trackers err by at a fingertip (some 4 mm of 17).
+/// Gap at which pads are led by rotations alone, and from which on by each other, in sums of their
+/// radii: from a pad's breadth and a half to what trackers err by at a fingertip (some 4 mm of 17).
 const LED: [f64; 2] = [1.5, 0.25];
-/// Gap at which pads begin to press, and from which on they press fully, in sums of their radii. Between them pads touch
-/// where the tracked ones are some 5 mm apart.
+/// Gap at which pads begin to press, and from which on they press fully, in sums of their radii.
+/// Between them pads touch where the tracked ones are some 5 mm apart.
 const PRESSED: [f64; 2] = [0.5, 0.1];
-/// Cosine of the angle between a pad's normal and the way to the other from which on it faces it fully: 60°.
+/// Cosine of the angle between a pad's normal and the way to the other from which on it faces it
+/// fully: 60°.
 const FACING: f64 = 0.5;
-/// How digits find each other: first they turn to face as far as they can without leaving the tracked angles too far,
-/// then their pads close what is left between them.
+/// How digits find each other: first they turn to face as far as they can without leaving the
+/// tracked angles too far, then their pads close what is left between them.
 const STAGES: [Stage; 2] =
     [Stage { turn: 0.02, ease: 0.025, rounds: 8 }, Stage { turn: 0.003, ease: 0.004, rounds: 8 }];
 /// Damping \[m/rad\]: a twenty-fifth of the square of a finger's arm of 50 mm.
@@ -83,7 +86,8 @@ struct Stage {
 struct Pair {
     /// Part of the way from where rotations bring them to where they meet.
     weight: f64,
-    /// Distance from the bones' axes at which the two pads are to coincide \[m\], the thumb's first.
+    /// Distance from the bones' axes at which the two pads are to coincide \[m\], the thumb's
+    /// first.
     stand_off: [f64; 2],
 }
 
@@ -106,7 +110,8 @@ impl Meeting {
         self.press = 0.0;
     }
 
-    /// Moves `angles` \[rad\], found from rotations, so that pads meet which meet in `tracked`; `rotation_WP` is our palm's.
+    /// Moves `angles` \[rad\], found from rotations, so that pads meet which meet in `tracked`;
+    /// `rotation_WP` is our palm's.
     pub fn apply(&self, tracked: &[Pose; 25], rotation_WP: &Quat, angles: &mut [[f64; 2]]) {
         let ratio = self.bones.ratio(tracked).filter(|ratio| RATIOS.contains(ratio));
         let Some(ratio) = ratio else { return };
@@ -149,7 +154,8 @@ impl Meeting {
     /// Σ w (|p_f - p_t|² + turn² |n_f + n_t|²) + ease² |q - q_start|²
     /// ```
     ///
-    /// is least, with `p` the middles of the pads of finger and thumb and `n` their normals. False where nothing less is found.
+    /// is least, with `p` the middles of the pads of finger and thumb and `n` their normals. False
+    /// where nothing less is found.
     fn round(
         &self,
         stage: &Stage,
@@ -251,8 +257,8 @@ impl Meeting {
 }
 
 impl Pair {
-    /// The pads of thumb and finger, of these radii, which rotations bring to `reached`; `pads` is the way from the tracked
-    /// thumb's pad to the finger's \[m\].
+    /// The pads of thumb and finger, of these radii, which rotations bring to `reached`; `pads` is
+    /// the way from the tracked thumb's pad to the finger's \[m\].
     fn new(radii: [f64; 2], press: f64, reached: [&Reached; 2], pads: &Vec3) -> Self {
         let sum = radii[0] + radii[1];
         let gap = pads.norm() - sum;

@@ -1,15 +1,16 @@
 //! Torques that hold a hand's joints at the angles of its targets.
 //!
-//! Flesh and springs resist bending, and drives that are soft enough to be felt leave a bent finger some millimetres short
-//! of its target. A person's muscles carry that; so do torques about the joints here, which balance flesh and springs at
-//! the angles of the targets:
+//! Flesh and springs resist bending, and drives that are soft enough to be felt leave a bent finger
+//! some millimetres short of its target. A person's muscles carry that; so do torques about the
+//! joints here, which balance flesh and springs at the angles of the targets:
 //!
 //! ```text
 //! τ = F (q - q_rest) + s (q - q_spring)
 //! ```
 //!
-//! with F the stiffness of the flesh, measured when the hand was built, and s that of the joints' springs. They follow from
-//! the targets alone, so that they neither damp nor drive anything by themselves, and end where the joints' ranges end.
+//! with F the stiffness of the flesh, measured when the hand was built, and s that of the joints'
+//! springs. They follow from the targets alone, so that they neither damp nor drive anything by
+//! themselves, and end where the joints' ranges end.
 
 use crate::{Articulation, FitError};
 use thenar_core::Pose;
@@ -22,7 +23,8 @@ pub struct Muscles {
     articulation: Articulation,
     /// Joint of each axis, and which of its axes it is.
     axes: Vec<(usize, usize)>,
-    /// Stiffness of the flesh against turns of all axes \[N m/rad\], row by row; empty where nothing is known of it.
+    /// Stiffness of the flesh against turns of all axes \[N m/rad\], row by row; empty where
+    /// nothing is known of it.
     flesh: Vec<f64>,
     /// Stiffness \[N m/rad\] and rest angle \[rad\] of the spring of each axis.
     springs: Vec<[f64; 2]>,
@@ -55,8 +57,8 @@ impl Muscles {
         })
     }
 
-    /// Adds the torques \[N m\] that hold the hand at its targets to those of its joints, with flesh that is `stiffer` than
-    /// the model's by a factor; nothing where a bone has no target.
+    /// Adds the torques \[N m\] that hold the hand at its targets to those of its joints, with
+    /// flesh that is `stiffer` than the model's by a factor; nothing where a bone has no target.
     pub fn hold(&mut self, targets: &[Option<Target>], stiffer: f64, torques: &mut [[f64; 2]]) {
         for (pose, target) in self.poses.iter_mut().zip(targets) {
             match target {
@@ -97,7 +99,8 @@ mod tests {
         poses.into_iter().map(|pose| Some(target(pose))).collect()
     }
 
-    /// Torques follow from the flesh's matrix and the springs; an angle beyond its range counts as its end.
+    /// Torques follow from the flesh's matrix and the springs; an angle beyond its range counts as
+    /// its end.
     #[test]
     fn torques_balance_flesh_and_springs() {
         let mut hand = fixture::hand(false);

@@ -74,8 +74,8 @@ impl Retarget {
         self.wrist_offset = wrist_offset;
     }
 
-    /// Lets pads that touch on the tracked hand touch on ours and no more: for forces that its wearer feels, whose own
-    /// fingers press on each other already.
+    /// Lets pads that touch on the tracked hand touch on ours and no more: for forces that its
+    /// wearer feels, whose own fingers press on each other already.
     pub fn without_press(&mut self) {
         self.meeting.iter_mut().for_each(Meeting::without_press);
     }

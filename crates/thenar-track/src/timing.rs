@@ -12,8 +12,8 @@ pub struct TrackerTiming {
 }
 
 impl TrackerTiming {
-    /// A headset that sees hands by its cameras: 90 Hz and 45 ms (Abdlkarim et al. 2023, Quest 2), a millimetre of
-    /// noise.
+    /// A headset that sees hands by its cameras: 90 Hz and 45 ms (Abdlkarim et al. 2023, Quest 2),
+    /// a millimetre of noise.
     pub const HEADSET: Self = Self { rate: 90.0, latency: 0.045, noise: 1e-3 };
     /// A wired glove of bend sensors: 100 Hz, a sample on its way for 10 ms.
     pub const GLOVE: Self = Self { rate: 100.0, latency: 0.01, noise: 1e-4 };
@@ -24,9 +24,10 @@ impl TrackerTiming {
     }
 }
 
-/// What observing a tracker's samples adds to their delay, as far as a spring is concerned: the part of its stiffness
-/// that it takes off the damping of whoever holds it, `-Im G(ω)/ω` of what is observed over what is there, at the worst
-/// ω. Observers carry motion on, which makes up for delay; and they remember noisy samples longer, which is late.
+/// What observing a tracker's samples adds to their delay, as far as a spring is concerned: the
+/// part of its stiffness that it takes off the damping of whoever holds it, `-Im G(ω)/ω` of what is
+/// observed over what is there, at the worst ω. Observers carry motion on, which makes up for
+/// delay; and they remember noisy samples longer, which is late.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Observation {
     /// Without a delay and without noise \[s\].
@@ -38,8 +39,8 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// To samples that are late by so much \[s\] and `noisy`: 0 as sure as motion, 1 remembered for 50 ms, and beyond in
-    /// proportion.
+    /// To samples that are late by so much \[s\] and `noisy`: 0 as sure as motion, 1 remembered for
+    /// 50 ms, and beyond in proportion.
     pub fn adds(&self, delay: f64, noisy: f64) -> f64 {
         let sure = (self.adds - self.makes_up * delay).max(0.0);
         sure * (1.0 - noisy).max(0.0) + noisy * self.noisy

@@ -1,11 +1,11 @@
 //! Times of a tracker, held to what trackers promise.
 //!
-//! A tracker gives times of this process's clock, none in the future and none going back. What is made
-//! of several trackers compares such times, so one that breaks the promise would hold the others up:
-//! a time of tomorrow makes all that follows old, and a clock put back for good stands for ever.
-//! Here such times are carried over: at once when they are of the future, since no true time is; when
-//! they are of the past, only after half a second in which they ran on beside our clock, since until
-//! then they may be what they say: samples that come late.
+//! A tracker gives times of this process's clock, none in the future and none going back. What is
+//! made of several trackers compares such times, so one that breaks the promise would hold the
+//! others up: a time of tomorrow makes all that follows old, and a clock put back for good stands
+//! for ever. Here such times are carried over: at once when they are of the future, since no true
+//! time is; when they are of the past, only after half a second in which they ran on beside our
+//! clock, since until then they may be what they say: samples that come late.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -102,7 +102,8 @@ mod tests {
     const MS: u64 = 1_000_000;
     const DAY: i64 = 86_400_000_000_000;
 
-    /// Ages \[ms\] of samples every 10 ms that tell `tells(k)`, and the numbers of those that jumped.
+    /// Ages \[ms\] of samples every 10 ms that tell `tells(k)`, and the numbers of those that
+    /// jumped.
     fn ages(n: u64, tells: impl Fn(u64, u64) -> u64) -> (Vec<u64>, Vec<u64>) {
         let (mut times, mut jumps) = (Times::default(), Vec::new());
         let mut age = |k| {
@@ -159,8 +160,8 @@ mod tests {
         }
     }
 
-    /// A sample that is reported again and again is never fresh, whatever clock it is of; nor are late ones
-    /// that come in a burst.
+    /// A sample that is reported again and again is never fresh, whatever clock it is of; nor are
+    /// late ones that come in a burst.
     #[test]
     fn what_is_old_stays_old() {
         for told in [2 * DAY as u64 + 1000 * MS, DAY as u64, 4 * DAY as u64] {

@@ -12,7 +12,8 @@ pub struct Contact {
     pub point: Vec3,
     /// Unit normal from B towards A, world.
     pub normal: Vec3,
-    /// Mean force on A during the step, or the last part of one made in parts, world \[N\]; B feels the opposite.
+    /// Mean force on A during the step, or the last part of one made in parts, world \[N\]; B feels
+    /// the opposite.
     pub force: Vec3,
     /// Gap at the start of the step, or of its last part \[m\], negative where surfaces overlap.
     pub gap: f64,

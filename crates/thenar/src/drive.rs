@@ -17,10 +17,11 @@ pub(crate) fn table(drive: &Drive) -> Value {
 /// Springs between flesh and bones (Eq. 7 to 9 of the paper).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
-    /// True: springs hold all flesh, skin and pads included, as in the paper. False: flesh in the place of bone, and what
-    /// lies between bone and skin is free.
+    /// True: springs hold all flesh, skin and pads included, as in the paper. False: flesh in the
+    /// place of bone, and what lies between bone and skin is free.
     pub uniform: bool,
-    /// Springs per volume of what they hold \[N/m⁴\]; `None` leaves that to the hand's own flesh and length.
+    /// Springs per volume of what they hold \[N/m⁴\]; `None` leaves that to the hand's own flesh
+    /// and length.
     pub stiffness: Option<f64>,
     /// Damping time of the springs \[s\].
     pub damping_time: f64,

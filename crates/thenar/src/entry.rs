@@ -29,7 +29,8 @@ impl Entry {
         self.0.remove(key);
     }
 
-    /// Sets a key, dotted ones within tables, to a value as it stands in a scene file; what is no TOML value is text.
+    /// Sets a key, dotted ones within tables, to a value as it stands in a scene file; what is no
+    /// TOML value is text.
     pub fn put_text(&mut self, key: &str, text: &str) {
         put_text(&mut self.0, key, text);
     }

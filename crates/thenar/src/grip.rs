@@ -3,7 +3,8 @@
 use crate::entry::Entry;
 use thenar_scene::grip::GripKind;
 
-/// A grip in the plan of a hand: pads find places on an object, close on it and hold it with a force.
+/// A grip in the plan of a hand: pads find places on an object, close on it and hold it with a
+/// force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grip(Entry);
 
@@ -29,7 +30,8 @@ impl Grip {
         self
     }
 
-    /// Force with which the two sides press against each other \[N\]; otherwise twice what keeps the object from slipping.
+    /// Force with which the two sides press against each other \[N\]; otherwise twice what keeps
+    /// the object from slipping.
     pub fn force(mut self, force: f64) -> Self {
         self.0.put("force", force);
         self

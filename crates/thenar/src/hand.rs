@@ -7,8 +7,9 @@ use std::fmt::Display;
 use thenar_core::{Quat, Vec3};
 use toml::Value;
 
-/// A hand to be added to a scene: 16 bones, 15 joints and flesh, which follows the poses that it is given, or holds its start
-/// pose. Its model frame has +y along the fingers, flat at the start, with the wrist at the origin.
+/// A hand to be added to a scene: 16 bones, 15 joints and flesh, which follows the poses that it is
+/// given, or holds its start pose. Its model frame has +y along the fingers, flat at the start,
+/// with the wrist at the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hand(Entry);
 
@@ -34,8 +35,8 @@ impl Hand {
         Self::of(file)
     }
 
-    /// The paper's hand: 600 tetrahedra, springs on all flesh. Several times faster than the usual one, whose pads and joints are
-    /// as soft as people's.
+    /// The paper's hand: 600 tetrahedra, springs on all flesh. Several times faster than the usual
+    /// one, whose pads and joints are as soft as people's.
     pub fn paper(mut self) -> Self {
         self.0.put("preset", "paper");
         self
@@ -65,7 +66,8 @@ impl Hand {
         self
     }
 
-    /// Fineness of the flesh's mesh: 1 has cubes of 4 mm at the pads, and edges go with its inverse.
+    /// Fineness of the flesh's mesh: 1 has cubes of 4 mm at the pads, and edges go with its
+    /// inverse.
     pub fn detail(mut self, detail: f64) -> Self {
         self.0.put("detail", detail);
         self
@@ -99,8 +101,8 @@ impl Hand {
         self
     }
 
-    /// Any key of `[[hand]]` in a scene file, with a value as it stands there, e.g. `("tissue", "layered")`; dotted keys reach
-    /// into tables.
+    /// Any key of `[[hand]]` in a scene file, with a value as it stands there, e.g.
+    /// `("tissue", "layered")`; dotted keys reach into tables.
     pub fn set(mut self, key: &str, value: impl Display) -> Self {
         self.0.put_text(key, &value.to_string());
         self

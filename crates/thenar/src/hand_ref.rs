@@ -57,14 +57,15 @@ impl<'a> HandRef<'a> {
         self.session.hand_wrist(self.hand)
     }
 
-    /// Joint angles \[rad\]: of each finger, thumb first, base flexion and spread, then two flexions; NaN for those that
-    /// it lacks. Flexion is positive when the hand closes.
+    /// Joint angles \[rad\]: of each finger, thumb first, base flexion and spread, then two
+    /// flexions; NaN for those that it lacks. Flexion is positive when the hand closes.
     pub fn angles(&self) -> [f64; 20] {
         self.session.hand_angles(self.hand)
     }
 
-    /// Name, digit and pose in the world of each bone, the palm first. A bone's frame has -z along it, away from the wrist, +y
-    /// out of the back of the hand, and its origin at the centre of mass.
+    /// Name, digit and pose in the world of each bone, the palm first. A bone's frame has -z along
+    /// it, away from the wrist, +y out of the back of the hand, and its origin at the centre of
+    /// mass.
     pub fn bones(&self) -> impl Iterator<Item = (&'a str, Digit, Pose)> + use<'a> {
         let (hand, world) = (self.built(), self.session.world());
         let bones = hand.handle.bones.clone().zip(&hand.model.bones);
@@ -100,14 +101,16 @@ impl<'a> HandRef<'a> {
         })
     }
 
-    /// A pose with the wrist's frame there in the world, whose fingers are bent from rest so that the middle of each named one's pad
-    /// comes to its place \[m\], and how far the worst of them ends from it \[m\]. Inverse kinematics on this hand, to be
-    /// [followed](HandMut::follow); contact and flesh do the rest.
+    /// A pose with the wrist's frame there in the world, whose fingers are bent from rest so that
+    /// the middle of each named one's pad comes to its place \[m\], and how far the worst of them
+    /// ends from it \[m\]. Inverse kinematics on this hand, to be [followed](HandMut::follow);
+    /// contact and flesh do the rest.
     ///
     /// Pads are found on the skin the first time.
     ///
     /// # Errors
-    /// Poses cannot move this hand, the palm is named, or wrist or places are not finite or the wrist is far away.
+    /// Poses cannot move this hand, the palm is named, or wrist or places are not finite or the
+    /// wrist is far away.
     pub fn reaching(
         &self,
         wrist: Pose,
@@ -156,8 +159,9 @@ impl<'a> HandMut<'a> {
         Self { simulation, hand: hand.0 }
     }
 
-    /// Follows a tracked pose, taken now: joints of a tracker are carried over to the hand's bones, smoothed, and followed
-    /// at limited speed. Give one before each step; after 0.1 s without, the hand holds still.
+    /// Follows a tracked pose, taken now: joints of a tracker are carried over to the hand's bones,
+    /// smoothed, and followed at limited speed. Give one before each step; after 0.1 s without, the
+    /// hand holds still.
     ///
     /// # Errors
     /// The pose is not finite, too far away or otherwise no hand's. Nothing has changed then.
@@ -184,11 +188,12 @@ impl<'a> HandMut<'a> {
         self.simulation.session.follow_script(self.hand);
     }
 
-    /// Grips an object with a force \[N\], or with what holds its weight: fingers find their places on it by themselves. The
-    /// wrist goes on following script or poses.
+    /// Grips an object with a force \[N\], or with what holds its weight: fingers find their places
+    /// on it by themselves. The wrist goes on following script or poses.
     ///
     /// # Errors
-    /// It is no object, the hand cannot grip so, or the force is out of range. Nothing has changed then.
+    /// It is no object, the hand cannot grip so, or the force is out of range. Nothing has changed
+    /// then.
     pub fn grip(
         &mut self,
         object: impl Into<Body>,

@@ -4,7 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct HandId(pub(crate) usize);
 
-/// A rigid body of a scene, by its place among the scene's rigid bodies. Bones belong to their hands.
+/// A rigid body of a scene, by its place among the scene's rigid bodies. Bones belong to their
+/// hands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct RigidId(pub(crate) usize);
 

@@ -1,7 +1,8 @@
-//! A soft human hand that touches things: flesh on a jointed skeleton, in frictional contact with rigid and soft objects.
+//! A soft human hand that touches things: flesh on a jointed skeleton, in frictional contact with
+//! rigid and soft objects.
 //!
-//! Describe a [`Scene`] of hands and objects, [build](Scene::build) it into a [`Simulation`], give each hand the pose that it
-//! should follow, [step](Simulation::step), and read the forces.
+//! Describe a [`Scene`] of hands and objects, [build](Scene::build) it into a [`Simulation`], give
+//! each hand the pose that it should follow, [step](Simulation::step), and read the forces.
 //!
 //! ```
 //! use thenar::{Hand, HandPose, Pose, Rigid, Scene};
@@ -24,20 +25,23 @@
 //!
 //! # Scenes in files
 //!
-//! A scene in code is a scene file in the making: [`Scene::to_toml`] prints it, [`Scene::from_file`] and [`Scene::named`] open
-//! one, and both give the same simulation, bit for bit. Keys that have no method here are set by name,
-//! [`Rigid::set`] and its likes; `docs/scene.md` lists them.
+//! A scene in code is a scene file in the making: [`Scene::to_toml`] prints it,
+//! [`Scene::from_file`] and [`Scene::named`] open one, and both give the same simulation, bit for
+//! bit. Keys that have no method here are set by name, [`Rigid::set`] and its likes;
+//! `docs/scene.md` lists them.
 //!
 //! # Units and frames
 //!
-//! SI units (m, kg, s, N, Pa, rad). Frames are right-handed, and +y is up in the usual scene. A [`Pose`] `pose_AB` takes points of
-//! frame B to frame A. A hand's wrist has -z towards the fingers and +y out of the back of the hand.
+//! SI units (m, kg, s, N, Pa, rad). Frames are right-handed, and +y is up in the usual scene. A
+//! [`Pose`] `pose_AB` takes points of frame B to frame A. A hand's wrist has -z towards the fingers
+//! and +y out of the back of the hand.
 //!
 //! # Beyond this crate
 //!
-//! Programs that extend Thenar use the crates below it: `thenar-core` (the simulator), `thenar-scene` (scene files, sessions,
-//! recordings), `thenar-rig` (meshes to models), `thenar-track` (tracked hands), `thenar-touch` (the haptic loop),
-//! `thenar-link` (devices). [`Simulation::session`] leads there.
+//! Programs that extend Thenar use the crates below it: `thenar-core` (the simulator),
+//! `thenar-scene` (scene files, sessions, recordings), `thenar-rig` (meshes to models),
+//! `thenar-track` (tracked hands), `thenar-touch` (the haptic loop), `thenar-link` (devices).
+//! [`Simulation::session`] leads there.
 
 mod body;
 mod contact;

@@ -59,7 +59,8 @@ mod tests {
     #[test]
     fn forces_turn_about_the_centre_of_mass() {
         let mut wrench = Wrench::default();
-        // A force up at the end of an arm along x turns about z, counter-clockwise; one back at its other end as well.
+        // A force up at the end of an arm along x turns about z, counter-clockwise; one back at its
+        // other end as well.
         wrench.add(&(Vec3::y() * 2.0), &(Vec3::x() * 0.5));
         wrench.add(&(Vec3::y() * -2.0), &(Vec3::x() * -0.5));
         assert_eq!((wrench.force, wrench.torque), (Vec3::zeros(), Vec3::z() * 2.0));

@@ -9,8 +9,9 @@ use std::fmt::Display;
 use thenar_core::{Pose, Quat, Vec3};
 use toml::Value;
 
-/// A rigid object to be added to a scene. Of 1000 kg/m³ unless it is given another density or a mass, with friction 0.5, at the
-/// origin, and moved by forces. Its frame has its origin at the centre of mass.
+/// A rigid object to be added to a scene. Of 1000 kg/m³ unless it is given another density or a
+/// mass, with friction 0.5, at the origin, and moved by forces. Its frame has its origin at the
+/// centre of mass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rigid {
     pub(crate) entry: Entry,
@@ -104,7 +105,8 @@ impl Rigid {
         self
     }
 
-    /// Start position of its centre of mass, world \[m\]; of a mesh, car or compound, of the frame of its file or parts.
+    /// Start position of its centre of mass, world \[m\]; of a mesh, car or compound, of the frame
+    /// of its file or parts.
     pub fn at(mut self, position: impl Into<Vec3>) -> Self {
         self.entry.put("position", vector(&position.into()));
         self
@@ -116,7 +118,8 @@ impl Rigid {
         self
     }
 
-    /// Goes over to another way of moving: keys of the one before would be refused beside those of this one.
+    /// Goes over to another way of moving: keys of the one before would be refused beside those of
+    /// this one.
     fn moves(mut self, motion: &str) -> Self {
         for key in ["keyframes", "drive", "velocity", "angular_velocity"] {
             self.entry.take(key);
@@ -171,7 +174,8 @@ impl Rigid {
         moved
     }
 
-    /// Pulled by a spring to these poses at these times \[s\]; to its start pose, if there are none.
+    /// Pulled by a spring to these poses at these times \[s\]; to its start pose, if there are
+    /// none.
     pub fn pulled(self, drive: Drive, keyframes: impl IntoIterator<Item = (f64, Pose)>) -> Self {
         let mut pulled = self.moves("dynamic");
         pulled.entry.put("drive", drive::table(&drive));
@@ -179,8 +183,8 @@ impl Rigid {
         pulled
     }
 
-    /// Any key of `[[rigid]]` in a scene file, with a value as it stands there, e.g. `("colour", "[1.0, 0.5, 0.0]")`; dotted
-    /// keys reach into tables.
+    /// Any key of `[[rigid]]` in a scene file, with a value as it stands there, e.g.
+    /// `("colour", "[1.0, 0.5, 0.0]")`; dotted keys reach into tables.
     pub fn set(mut self, key: &str, value: impl Display) -> Self {
         match key {
             "mass" => self.entry.take("density"),

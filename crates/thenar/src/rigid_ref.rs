@@ -32,7 +32,8 @@ impl<'a> RigidRef<'a> {
         self.world.rigid_velocity(self.body).into()
     }
 
-    /// Force and torque of all contacts on it in the last step, about its centre of mass at the end of that.
+    /// Force and torque of all contacts on it in the last step, about its centre of mass at the end
+    /// of that.
     pub fn contact_wrench(&self) -> Wrench {
         let (own, middle) = (BodyId::Rigid(self.body), self.pose().position);
         let mut wrench = Wrench::default();

@@ -32,7 +32,8 @@ pub trait Sealed {
     fn into_table(self) -> Table;
 }
 
-/// Hands, objects and settings, from which a [`Simulation`] is built. Whatever is wrong with them is said by [`Scene::build`].
+/// Hands, objects and settings, from which a [`Simulation`] is built. Whatever is wrong with them
+/// is said by [`Scene::build`].
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// As it was opened, without what was added since.
@@ -43,7 +44,8 @@ pub struct Scene {
     overrides: Vec<String>,
 }
 
-/// A part that was added. Parts without a name get theirs when the scene is written, after all names that were given.
+/// A part that was added. Parts without a name get theirs when the scene is written, after all
+/// names that were given.
 #[derive(Clone, Debug)]
 struct Added {
     /// The list that it belongs to, and its place there.
@@ -69,7 +71,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// An empty scene: gravity along -y, steps of 5 ms. Relative paths start at the working directory.
+    /// An empty scene: gravity along -y, steps of 5 ms. Relative paths start at the working
+    /// directory.
     pub fn new() -> Self {
         Self::from_toml(&format!("version = 1\ntime_step = {TIME_STEP:?}\n"))
     }
@@ -105,10 +108,11 @@ impl Scene {
         Self { text, added: Vec::new(), file, overrides: Vec::new() }
     }
 
-    /// Adds a hand or an object, and returns the handle by which the simulation knows it. What has no name gets one that is free when
-    /// the scene is built: `sphere-2` for the second rigid body of a scene, or the next number if any part, added before or after,
-    /// was given this name. In a scene from a file, lists stand as `[[rigid]]`; to one that is written in line (`rigid = [...]`)
-    /// nothing can be added, which [`Scene::build`] says.
+    /// Adds a hand or an object, and returns the handle by which the simulation knows it. What has
+    /// no name gets one that is free when the scene is built: `sphere-2` for the second rigid body
+    /// of a scene, or the next number if any part, added before or after, was given this name. In a
+    /// scene from a file, lists stand as `[[rigid]]`; to one that is written in line
+    /// (`rigid = [...]`) nothing can be added, which [`Scene::build`] says.
     pub fn add<P: Part>(&mut self, part: P) -> P::Id {
         // Text that cannot be read has no parts; `build` says what is wrong with it.
         let opened = self.text.parse::<Table>().unwrap_or_default();
@@ -130,15 +134,16 @@ impl Scene {
         self.set("gravity", format!("[{x:?}, {y:?}, {z:?}]"))
     }
 
-    /// Sets any key of the scene, with a value as it stands in a scene file: `("solver.cone", "linearised")`,
-    /// `("rigid.0.mass", 2.5)`; a step into a list is a number or a name.
+    /// Sets any key of the scene, with a value as it stands in a scene file:
+    /// `("solver.cone", "linearised")`, `("rigid.0.mass", 2.5)`; a step into a list is a number or
+    /// a name.
     pub fn set(&mut self, key: &str, value: impl Display) -> &mut Self {
         self.overrides.push(format!("{key}={value}"));
         self
     }
 
-    /// The scene as a scene file, which gives the same simulation. Comments of a file that was opened stay unless [`Scene::set`] or its
-    /// likes have changed something.
+    /// The scene as a scene file, which gives the same simulation. Comments of a file that was
+    /// opened stay unless [`Scene::set`] or its likes have changed something.
     pub fn to_toml(&self) -> String {
         let text = self.written();
         let Ok(mut whole) = text.parse::<Table>().map(Value::Table) else {
@@ -153,7 +158,8 @@ impl Scene {
         whole.as_table().map(ToString::to_string).unwrap_or_default()
     }
 
-    /// Builds all bodies, ready to be stepped. A hand that comes with the program takes a second the first time.
+    /// Builds all bodies, ready to be stepped. A hand that comes with the program takes a second
+    /// the first time.
     ///
     /// # Errors
     /// Something in the scene is wrong: says what, and where.
@@ -167,7 +173,8 @@ impl Scene {
         given.map(|(key, value)| (key.split('.').map(str::trim).collect(), value_of(value.trim())))
     }
 
-    /// The scene before [`Scene::set`] and its likes change it: as it was opened, and then what was added, with its names.
+    /// The scene before [`Scene::set`] and its likes change it: as it was opened, and then what was
+    /// added, with its names.
     fn written(&self) -> String {
         let mut text = self.text.clone();
         let mut taken = self.given_names();

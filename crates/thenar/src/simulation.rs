@@ -10,7 +10,8 @@ use thenar_scene::recording::{SnapshotError, go_on_from, snapshot};
 use thenar_scene::session::{PARTS, Session};
 use thenar_scene::tuning::{SettingError, SettingValue};
 
-/// A scene that is stepped. Same inputs give the same bits on processors with the same vector instructions.
+/// A scene that is stepped. Same inputs give the same bits on processors with the same vector
+/// instructions.
 ///
 /// Handles are those that [`Scene::add`](crate::Scene::add) gave, or that it is asked for by name.
 #[derive(Debug)]
@@ -66,7 +67,8 @@ impl Simulation {
         *self.session.report()
     }
 
-    /// What is known to go wrong in the scene as it is set, and bodies that start inside each other: a sentence each.
+    /// What is known to go wrong in the scene as it is set, and bodies that start inside each
+    /// other: a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let overlaps = self.session.start_overlaps().iter().map(ToString::to_string);
         self.session.warnings().into_iter().chain(overlaps).collect()

@@ -7,8 +7,8 @@ use std::fmt::Display;
 use thenar_core::{Quat, Vec3};
 use toml::Value;
 
-/// A soft object to be added to a scene: finite elements of 50 kPa and 1000 kg/m³ (bread: 12 kPa and 250 kg/m³) unless it is given
-/// others, with friction 0.5.
+/// A soft object to be added to a scene: finite elements of 50 kPa and 1000 kg/m³ (bread: 12 kPa
+/// and 250 kg/m³) unless it is given others, with friction 0.5.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Soft {
     entry: Entry,
@@ -32,13 +32,15 @@ impl Soft {
         Self::of("ball", [("radius", radius.into())])
     }
 
-    /// Block with these edge lengths \[m\], centred on its frame, with a number of cells along x, y and z.
+    /// Block with these edge lengths \[m\], centred on its frame, with a number of cells along x, y
+    /// and z.
     pub fn block(size: impl Into<Vec3>, cells: [u32; 3]) -> Self {
         let cells = cells.iter().map(|n| Value::from(i64::from(*n))).collect();
         Self::of("lattice", [("size", vector(&size.into())), ("cells", Value::Array(cells))])
     }
 
-    /// Closed triangle mesh from a file (GLB, OBJ, STL, PLY, OFF), in metres, filled with elements; or a model file (`.thenar`).
+    /// Closed triangle mesh from a file (GLB, OBJ, STL, PLY, OFF), in metres, filled with elements;
+    /// or a model file (`.thenar`).
     pub fn mesh(file: &str) -> Self {
         Self::of("mesh", [("file", file.into())])
     }
@@ -82,8 +84,8 @@ impl Soft {
         self
     }
 
-    /// Any key of `[[soft]]` in a scene file, with a value as it stands there, e.g. `("stiffness_damping", 0.002)`; dotted keys
-    /// reach into tables.
+    /// Any key of `[[soft]]` in a scene file, with a value as it stands there, e.g.
+    /// `("stiffness_damping", 0.002)`; dotted keys reach into tables.
     pub fn set(mut self, key: &str, value: impl Display) -> Self {
         self.entry.put_text(key, &value.to_string());
         self

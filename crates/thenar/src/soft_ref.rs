@@ -55,7 +55,8 @@ pub struct SoftMut<'a> {
 }
 
 impl SoftMut<'_> {
-    /// Puts its nodes there, world \[m\]; velocities stay. Ignored where the number of nodes is another, or a number is not finite.
+    /// Puts its nodes there, world \[m\]; velocities stay. Ignored where the number of nodes is
+    /// another, or a number is not finite.
     pub fn place(&mut self, nodes: &[Vec3]) {
         self.world.set_nodes(self.soft, nodes);
     }

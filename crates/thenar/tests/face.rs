@@ -61,7 +61,8 @@ fn a_scene_in_code_is_the_scene_of_its_text() {
     let mut twin = Scene::from_toml(&other.to_toml()).build().unwrap();
     assert_eq!((twin.run(0.02), twin.state_hash()), (sim.run(0.02), sim.state_hash()));
     sim.restart();
-    // A tenth of a second of free fall from rest: v = g t, within what the solver leaves (1e-5 m/s).
+    // A tenth of a second of free fall from rest: v = g t, within what the solver leaves (1e-5
+    // m/s).
     let ball = sim.rigid_named("ball").unwrap();
     sim.rigid_mut(ball).place(Pose::translation(0.1, 0.5, 0.0), Twist::default());
     sim.run(0.1);
@@ -224,7 +225,8 @@ fn parts_go_together_in_any_order() {
     assert!(sim.hand(hand).reaching(Pose::identity(), &palm).is_err());
 }
 
-/// Names that are given go first, wherever in the order, and by whatever way: a part's own, or a change of the scene.
+/// Names that are given go first, wherever in the order, and by whatever way: a part's own, or a
+/// change of the scene.
 #[test]
 fn names_that_no_one_gave_make_room_for_those_that_were_given() {
     let ball = |k: usize| Rigid::sphere(0.01).at([0.1 * k as f64, 1.0, 0.0]);
@@ -250,7 +252,8 @@ fn names_that_no_one_gave_make_room_for_those_that_were_given() {
     assert_ne!(scene, self::scene());
 }
 
-/// Every builder's keys are read: a key that is not there is refused, so that a scene of all of them opens.
+/// Every builder's keys are read: a key that is not there is refused, so that a scene of all of
+/// them opens.
 #[test]
 fn all_builders_write_what_scenes_read() {
     let turn = Quat::from_euler_angles(0.1, 0.2, 0.3);
@@ -282,7 +285,8 @@ fn all_builders_write_what_scenes_read() {
     assert_eq!((sim.rigids().count(), sim.softs().count(), sim.hands().count()), (9, 2, 1));
     assert_eq!((sim.hand(hand).name(), sim.hand(hand).side()), ("left", Some(thenar::Side::Left)));
     sim.run(0.01);
-    // Scripted at minimum jerk, its velocity is zero at the start: hardly moved after a hundredth of the way.
+    // Scripted at minimum jerk, its velocity is zero at the start: hardly moved after a hundredth
+    // of the way.
     let moved = sim.rigid_named("sphere-8").unwrap();
     assert!((sim.rigid(moved).pose().position.y - 2.0).abs() < 1e-5);
     let wrist = sim.hand(hand).wrist().position;
@@ -290,7 +294,8 @@ fn all_builders_write_what_scenes_read() {
     assert!((reach - 0.18).abs() < 0.03, "{reach} m long");
 }
 
-/// Inverse kinematics, live: the index finger's pad comes down on a ball that stands beside the others, and presses it.
+/// Inverse kinematics, live: the index finger's pad comes down on a ball that stands beside the
+/// others, and presses it.
 #[test]
 fn a_fingertip_goes_where_it_is_wanted() {
     let mut scene = Scene::new();

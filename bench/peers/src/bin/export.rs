@@ -1,5 +1,5 @@
-//! Writes the shipped right hand as JSON, and, if asked for, in the form that engines are compared on as a model of
-//! Thenar's: `export TETS FILE.json [FILE.thenar]`.
+//! Writes the shipped right hand as JSON, and, if asked for, in the form that engines are compared
+//! on as a model of Thenar's: `export TETS FILE.json [FILE.thenar]`.
 
 use std::path::Path;
 use std::process::ExitCode;

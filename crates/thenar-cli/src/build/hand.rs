@@ -55,8 +55,8 @@ pub fn write_boned(args: &Args, outputs: &mut Outputs, hand: &HandModel) -> Resu
     Ok(())
 }
 
-/// As in scenes: what is not given comes from the preset, and a number of tetrahedra of one size or springs on all flesh
-/// are about the paper's hand.
+/// As in scenes: what is not given comes from the preset, and a number of tetrahedra of one size or
+/// springs on all flesh are about the paper's hand.
 fn options(args: &Args) -> Result<HandOptions, CliError> {
     let is_papers = args.tets.is_some() || args.coupling == Some(CouplingArg::Uniform);
     let usual = match args.preset {

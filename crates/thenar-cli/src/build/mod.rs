@@ -22,8 +22,9 @@ use thenar_rig::model_file::figure_bytes;
 #[command(group(clap::ArgGroup::new("kind").required(true).args(["hand", "figure", "rigid", "soft"])))]
 #[command(group(clap::ArgGroup::new("boned").multiple(true).args(["hand", "figure"])))]
 pub struct Args {
-    /// A mesh: a skinned GLB for a hand; GLB, OBJ, STL, PLY or OFF for objects. For a hand also `left` or
-    /// `right`, the built-in ones. For a figure a skinned GLB or VRM, a URDF, or an MJCF (.xml, .mjcf).
+    /// A mesh: a skinned GLB for a hand; GLB, OBJ, STL, PLY or OFF for objects. For a hand also
+    /// `left` or `right`, the built-in ones. For a figure a skinned GLB or VRM, a URDF, or an MJCF
+    /// (.xml, .mjcf).
     input: PathBuf,
     /// Build a hand.
     #[arg(long)]
@@ -34,8 +35,8 @@ pub struct Args {
     /// Figure: thickness of the flesh around bones that come without a skin (URDF, MJCF) [m].
     #[arg(long, value_name = "M", requires = "figure")]
     flesh: Option<f64>,
-    /// Hand, figure: name of the skinned mesh that is the body, where a file has several, such as eyes and clothes; given
-    /// again, they are joined. Default: the mesh that encloses most.
+    /// Hand, figure: name of the skinned mesh that is the body, where a file has several, such as
+    /// eyes and clothes; given again, they are joined. Default: the mesh that encloses most.
     #[arg(long, value_name = "NAME", requires = "boned")]
     mesh: Vec<String>,
     /// Build a rigid body; the mesh may be open or of many parts.
@@ -47,27 +48,28 @@ pub struct Args {
     /// The model file to write.
     #[arg(short, long, value_name = "MODEL.thenar")]
     output: Option<PathBuf>,
-    /// Hand: mesh and coupling that go together, where --tets, --detail or --coupling do not say: the paper's 600
-    /// tetrahedra with springs on all flesh, or for touch: finer at the pads, flesh that hangs on bone. Default: paper
-    /// with --tets and with --coupling uniform, else as scenes have it.
+    /// Hand: mesh and coupling that go together, where --tets, --detail or --coupling do not say:
+    /// the paper's 600 tetrahedra with springs on all flesh, or for touch: finer at the pads, flesh
+    /// that hangs on bone. Default: paper with --tets and with --coupling uniform, else as scenes
+    /// have it.
     #[arg(long, value_enum, value_name = "WORD", requires = "hand")]
     preset: Option<PresetArg>,
-    /// Hand, figure, soft body: wanted number of tetrahedra, all of one size. Default of soft bodies: 600; of figures:
-    /// 1000.
+    /// Hand, figure, soft body: wanted number of tetrahedra, all of one size. Default of soft
+    /// bodies: 600; of figures: 1000.
     #[arg(long, value_name = "N")]
     tets: Option<usize>,
     /// Hand: in the place of --tets, how fine a graded mesh is, from 0.25 to 1.5.
     #[arg(long, conflicts_with = "tets", requires = "hand")]
     detail: Option<f64>,
-    /// Hand: what the springs to the bones hold where a scene does not say: all flesh, or that in the
-    /// place of bone.
+    /// Hand: what the springs to the bones hold where a scene does not say: all flesh, or that in
+    /// the place of bone.
     #[arg(long, value_enum, value_name = "KIND", requires = "hand")]
     coupling: Option<CouplingArg>,
     /// Hand: wrist to middle fingertip [m].
     #[arg(long, value_name = "M", conflicts_with = "scale")]
     length: Option<f64>,
-    /// Factor on all coordinates, e.g. 0.001 for a mesh in mm. Default: 1; of a hand that would be too long or too short
-    /// in metres, the unit in which it is as long as people's.
+    /// Factor on all coordinates, e.g. 0.001 for a mesh in mm. Default: 1; of a hand that would be
+    /// too long or too short in metres, the unit in which it is as long as people's.
     #[arg(long)]
     scale: Option<f64>,
     /// Hand: left or right, where the rig does not say, or has both.
@@ -88,12 +90,12 @@ pub struct Args {
     /// Hand: a TOML file of `webxr-joint = "name in the rig"`, for rigs whose names say nothing.
     #[arg(long, value_name = "FILE.toml", requires = "hand")]
     joint_names: Option<PathBuf>,
-    /// Hand: where the springs of its joints come from: a table, whatever the bent flesh adds, or what the flesh leaves of
-    /// the stiffness of people's joints. Default: the preset's.
+    /// Hand: where the springs of its joints come from: a table, whatever the bent flesh adds, or
+    /// what the flesh leaves of the stiffness of people's joints. Default: the preset's.
     #[arg(long, value_enum, value_name = "KIND", requires = "hand")]
     springs: Option<SpringsArg>,
-    /// A TOML file of `[[joint]]` tables with ranges, springs and dampers, as `[[hand.joint]]` and `[[figure.joint]]` in
-    /// scenes; a figure's with kinds and axes too.
+    /// A TOML file of `[[joint]]` tables with ranges, springs and dampers, as `[[hand.joint]]` and
+    /// `[[figure.joint]]` in scenes; a figure's with kinds and axes too.
     #[arg(long, value_name = "FILE.toml", requires = "boned")]
     joints: Option<PathBuf>,
     /// Write VTK files for ParaView into this folder.
@@ -210,7 +212,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Words for a model that no file was asked for; other files than the model's may have been written.
+/// Words for a model that no file was asked for; other files than the model's may have been
+/// written.
 fn not_kept(args: &Args) -> &'static str {
     let others = [&args.vtk, &args.picture, &args.glb, &args.json];
     match others.iter().any(|file| file.is_some()) {

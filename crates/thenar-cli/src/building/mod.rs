@@ -25,8 +25,8 @@ pub fn told<T>(work: impl FnOnce() -> Result<T, CliError>) -> Result<T, CliError
     }
 }
 
-/// Runs `work`, whatever comes of it: what Ctrl-C ended has failed. Silent work is announced each second,
-/// and where it does not end by itself after Ctrl-C the program ends.
+/// Runs `work`, whatever comes of it: what Ctrl-C ended has failed. Silent work is announced each
+/// second, and where it does not end by itself after Ctrl-C the program ends.
 pub fn heard<T>(work: impl FnOnce() -> T) -> T {
     let terminal = std::io::stderr().is_terminal();
     let teller = Arc::new(Mutex::new(Teller::new(terminal, Instant::now())));

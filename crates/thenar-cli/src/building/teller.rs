@@ -8,8 +8,8 @@ use thenar_rig::work::Progress;
 const COMPARISON: f64 = 15e-9;
 /// Work expected to be shorter is not announced \[s\].
 const SHORT: f64 = 1.0;
-/// Least time between lines where the error output is no terminal: a line that is due waits for the next tick,
-/// and is still no more than a second late.
+/// Least time between lines where the error output is no terminal: a line that is due waits for the
+/// next tick, and is still no more than a second late.
 const PACE: Duration = Duration::from_millis(900);
 
 /// Tells of one stage after the other.
@@ -140,7 +140,8 @@ mod tests {
         assert_eq!(told, expected);
     }
 
-    /// Stages of half a second, each of which would always be 0 s old, are part of one work that lasts.
+    /// Stages of half a second, each of which would always be 0 s old, are part of one work that
+    /// lasts.
     #[test]
     fn work_that_nobody_measures_is_as_old_as_all_of_it() {
         let stages = ["reading", "welding"];

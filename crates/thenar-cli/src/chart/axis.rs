@@ -33,7 +33,8 @@ impl Axis {
         Self { min: min.max(max * 10.0_f64.powf(-decades)), max, log: true }
     }
 
-    /// Where a value is, from 0 to 1; values outside stay at the ends. None when it is not a number.
+    /// Where a value is, from 0 to 1; values outside stay at the ends. None when it is not a
+    /// number.
     pub fn place(&self, value: f64) -> Option<f64> {
         let part = match self.log {
             true if value > 0.0 => (value / self.min).log10() / (self.max / self.min).log10(),

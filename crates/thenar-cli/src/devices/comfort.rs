@@ -16,21 +16,25 @@ use thenar_link::wearer::{Comfort, SOMEBODY, Wearer, keep, wearer_file};
 use thenar_link::{DIGITS, ForceDisplay, HandOutput, Rendering, now_ns};
 use thenar_touch::safety::Limits;
 
-/// Find out how much force a wearer likes: it rises in small steps until you stop it, and is never more from then on.
+/// Find out how much force a wearer likes: it rises in small steps until you stop it, and is never
+/// more from then on.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Driver and address of the force display, such as `cybergrasp:127.0.0.1:7070`.
     address: String,
-    /// Name of the wearer: settings are kept for each. Without one they are those of whoever is not named.
+    /// Name of the wearer: settings are kept for each. Without one they are those of whoever is not
+    /// named.
     #[arg(long, value_name = "NAME", default_value = SOMEBODY)]
     wearer: String,
-    /// Part of the rated force that it may rise to, 0 to 1, where that is less than the device's profile allows.
+    /// Part of the rated force that it may rise to, 0 to 1, where that is less than the device's
+    /// profile allows.
     #[arg(long, value_name = "PART", value_parser = super::test::fraction)]
     force: Option<f64>,
     /// Part of the stiffness that is felt from now on, 0 to 1; by default what was kept before.
     #[arg(long, value_name = "PART", value_parser = super::test::fraction)]
     stiffness: Option<f64>,
-    /// Time in which force comes up after arming from now on, where it is longer than the device's [s].
+    /// Time in which force comes up after arming from now on, where it is longer than the device's
+    /// [s].
     #[arg(long, value_name = "S", value_parser = ramp)]
     ramp: Option<f64>,
     /// How long each step lasts [s].
@@ -81,7 +85,8 @@ const UNFINISHED: &str = "not finished: forces are released and nothing is kept"
 /// Asks, raises the force on one finger after the other, keeps what was comfortable.
 ///
 /// # Errors
-/// The device is wrong, silent or lost, a guard trips, the person ends it, or the file cannot be written.
+/// The device is wrong, silent or lost, a guard trips, the person ends it, or the file cannot be
+/// written.
 pub fn run(args: &Args) -> Result<(), CliError> {
     interrupt::listen();
     crate::keeper::enable();

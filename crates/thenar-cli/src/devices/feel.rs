@@ -1,5 +1,5 @@
-//! A first force: at most 1 N, one finger (or, of an arm, one direction) after the other, through the
-//! same guard as ever.
+//! A first force: at most 1 N, one finger (or, of an arm, one direction) after the other, through
+//! the same guard as ever.
 
 use super::speed::Speeds;
 use crate::error::CliError;
@@ -23,8 +23,8 @@ pub const NAMES: [&str; DIGITS] =
 /// The world's axes, for devices that push the whole hand.
 pub const DIRECTIONS: [&str; 3] = ["to the right", "up", "towards you"];
 
-/// Asks, unless `arm`, then plays the force on every finger. Movement stops are at `stop`, a fraction of
-/// the wearer's calibrated range: 0 open to 1 closed.
+/// Asks, unless `arm`, then plays the force on every finger. Movement stops are at `stop`, a
+/// fraction of the wearer's calibrated range: 0 open to 1 closed.
 ///
 /// # Errors
 /// The person does not agree, or the guard trips.
@@ -174,7 +174,8 @@ impl<'a> Trial<'a> {
     /// The guard trips: forces are released.
     pub fn show(&mut self, now: u64, wanted: [f64; DIGITS]) -> Result<(), CliError> {
         let rendering = self.display.rendering();
-        // Vibrating players need not answer; anything else that is not there must not be ready for it.
+        // Vibrating players need not answer; anything else that is not there must not be ready for
+        // it.
         let vibrates = rendering == Rendering::Vibration;
         if let Some(sample) = self.tracker.as_mut().and_then(|t| t.latest(self.side)) {
             self.speeds.take(sample);

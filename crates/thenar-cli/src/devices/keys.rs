@@ -65,7 +65,8 @@ impl Keys {
     }
 }
 
-/// While this lives any key counts as soon as it is down, where there is a terminal; without one, whatever comes.
+/// While this lives any key counts as soon as it is down, where there is a terminal; without one,
+/// whatever comes.
 pub struct AnyKey(#[cfg(unix)] Option<nix::sys::termios::Termios>);
 
 #[cfg(unix)]

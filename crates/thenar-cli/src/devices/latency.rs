@@ -1,4 +1,5 @@
-//! `thenar devices latency`: how late, how often and how steadily a tracker sees a hand, kept in its profile.
+//! `thenar devices latency`: how late, how often and how steadily a tracker sees a hand, kept in
+//! its profile.
 
 mod session;
 #[cfg(test)]
@@ -23,8 +24,8 @@ use toml::{Table, Value};
 pub struct Args {
     /// Driver and address of the tracker, such as `hts:9000`.
     address: String,
-    /// A second tracker of the same hand, whose delay is known or small: the first one's is that and the lag between their
-    /// motions. Without it you tap a key.
+    /// A second tracker of the same hand, whose delay is known or small: the first one's is that
+    /// and the lag between their motions. Without it you tap a key.
     #[arg(long, value_name = "NAME:ADDRESS")]
     with: Option<String>,
     /// Delay of the second tracker [s]; by default what its profile states.
@@ -100,7 +101,8 @@ const UNFINISHED: &str = "not finished: the profile is unchanged";
 /// Asks, watches, tells, and keeps what was found if the person agrees.
 ///
 /// # Errors
-/// A device is wrong or silent, what was measured is too little or contradicts itself, or the profile cannot be written.
+/// A device is wrong or silent, what was measured is too little or contradicts itself, or the
+/// profile cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
     interrupt::listen();
     let (driver, rest) = driver_of(&args.address)?;
@@ -268,7 +270,8 @@ fn tell(side: Side, args: &Args, found: &MeasuredDelay, how: &str, rate: f64, no
     }
 }
 
-/// Numbers that a person can read: a tenth of a millisecond, of a sample and two digits of the noise.
+/// Numbers that a person can read: a tenth of a millisecond, of a sample and two digits of the
+/// noise.
 fn rounded(tracking: &Tracking) -> Tracking {
     let to = |x: f64, step: f64| (x / step).round() * step;
     let digits = |x: f64| if x > 0.0 { to(x, 10_f64.powf(x.log10().floor() - 1.0)) } else { 0.0 };

@@ -1,4 +1,5 @@
-//! How fast fingers open and a hand moves, out of what a tracker tells: for the guards of a first force.
+//! How fast fingers open and a hand moves, out of what a tracker tells: for the guards of a first
+//! force.
 
 use thenar_core::model::Side;
 use thenar_core::{Pose, Vec3};
@@ -135,8 +136,8 @@ mod tests {
         LivePose::Angles { wrist: Pose::translation(x, 0.0, 0.0), angles }
     }
 
-    /// The index finger's base bends by 2 rad/s, its tip 0.1 m away closes at 0.2 m/s; the wrist moves
-    /// at 0.5 m/s.
+    /// The index finger's base bends by 2 rad/s, its tip 0.1 m away closes at 0.2 m/s; the wrist
+    /// moves at 0.5 m/s.
     #[test]
     fn bending_is_closing() {
         let mut speeds = Speeds::new(Side::Right, LEVER_HAND * 0.1 / LEVERS[1][0]);

@@ -18,7 +18,8 @@ pub struct Args {
     /// For how long [s].
     #[arg(long, default_value_t = 5.0, value_parser = crate::devices::test::seconds)]
     seconds: f64,
-    /// Then let each finger feel at most 1 N (or a stop) in turn; an arm pushes along its three axes.
+    /// Then let each finger feel at most 1 N (or a stop) in turn; an arm pushes along its three
+    /// axes.
     #[arg(long)]
     feel: bool,
     /// Where stops are, as a fraction of your calibrated range: 0 open to 1 closed.
@@ -51,8 +52,8 @@ const SHOW: Duration = Duration::from_millis(200);
 /// Between words of one who still waits for a first pose \[s\].
 const PATIENCE: f64 = 1.0;
 
-/// Prints five lines a second; before the first pose it says once a second, on the error output, how long it
-/// still listens.
+/// Prints five lines a second; before the first pose it says once a second, on the error output,
+/// how long it still listens.
 ///
 /// # Errors
 /// The address is wrong, or the device says nothing.

@@ -1,4 +1,5 @@
-//! What measures Thenar: benches, comparisons, fits, studies of touch, stress tests, and figures beside theory.
+//! What measures Thenar: benches, comparisons, fits, studies of touch, stress tests, and figures
+//! beside theory.
 
 pub mod bench;
 pub mod compare;

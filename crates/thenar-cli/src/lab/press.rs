@@ -1,5 +1,5 @@
-//! A flat plate that presses on the pad of a finger: where it stands when it touches, and the changes of a scene
-//! that move it. Shared by validation and by fits.
+//! A flat plate that presses on the pad of a finger: where it stands when it touches, and the
+//! changes of a scene that move it. Shared by validation and by fits.
 
 use thenar_core::Vec3;
 use thenar_core::model::Digit;
@@ -22,9 +22,9 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// A plate for the box `name` that meets the pad of a finger of the scene's first hand at an angle
-    /// \[degrees\] between it and the hand's plane; of the thumb, which lies across, between it and its last bone.
-    /// None without such a finger and its skin.
+    /// A plate for the box `name` that meets the pad of a finger of the scene's first hand at an
+    /// angle \[degrees\] between it and the hand's plane; of the thumb, which lies across, between
+    /// it and its last bone. None without such a finger and its skin.
     pub fn at(session: &Session, name: &str, digit: Digit, angle_deg: f64) -> Option<Self> {
         let hand = session.hands().first()?;
         let last = hand.model.bones.iter().rposition(|bone| bone.digit == digit)?;
@@ -53,8 +53,8 @@ impl Plate {
     }
 }
 
-/// Changes that move a scripted body along `way` from where it touches: `[time [s], depth [m]]`, straight between, and
-/// let the scene last as long.
+/// Changes that move a scripted body along `way` from where it touches: `[time [s], depth [m]]`,
+/// straight between, and let the scene last as long.
 pub fn moves(name: &str, touch: &Vec3, way: &Vec3, depths: &[[f64; 2]]) -> Vec<String> {
     let place = |depth: f64| {
         let p = touch + way * depth;

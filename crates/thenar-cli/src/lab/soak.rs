@@ -15,7 +15,8 @@ use thenar_core::model::BodyId;
 use thenar_core::world::{Failure, StepReport};
 use thenar_scene::session::Session;
 
-/// Thrashes a hand at random against a table, a car and a loaf of bread, and judges how well contact and joints hold.
+/// Thrashes a hand at random against a table, a car and a loaf of bread, and judges how well
+/// contact and joints hold.
 ///
 /// The hand begins where it overlaps nothing. Exit code 1 when a figure misses its limit.
 #[derive(Debug, clap::Args)]
@@ -29,15 +30,16 @@ pub struct Args {
     /// Seeds of the motion. Of several each must be sound, and all together are judged.
     #[arg(long = "seed", value_name = "SEED", value_delimiter = ',', default_values_t = [1])]
     seeds: Vec<u32>,
-    /// Judge penetration, joint gaps and the accuracy of contact; with `false` only that numbers stay finite and
-    /// energy bounded, which is all that `--sweep` judges.
+    /// Judge penetration, joint gaps and the accuracy of contact; with `false` only that numbers
+    /// stay finite and energy bounded, which is all that `--sweep` judges.
     #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
     judge: bool,
-    /// The hand, as scenes name it: the paper's or that for touch. Default: as scenes that name none have it.
+    /// The hand, as scenes name it: the paper's or that for touch. Default: as scenes that name
+    /// none have it.
     #[arg(long, value_enum, value_name = "WORD")]
     preset: Option<PresetArg>,
-    /// Soaks the paper's hand at couplings of 1e7 to 1e10 N/m⁴ and tissue of 5 kPa to 5 MPa, each at steps of 0.25 to
-    /// 20 ms, instead of `--time-step`.
+    /// Soaks the paper's hand at couplings of 1e7 to 1e10 N/m⁴ and tissue of 5 kPa to 5 MPa, each
+    /// at steps of 0.25 to 20 ms, instead of `--time-step`.
     #[arg(long, conflicts_with_all = ["time_steps", "preset"])]
     sweep: bool,
     /// Overrides as of `thenar run`, e.g. `hand.hand.preset=touch`.
@@ -58,8 +60,8 @@ struct Extremes {
     penetration: f64,
     /// When that was \[s\], and between which bodies.
     deepest: Option<(f64, [BodyId; 2])>,
-    /// Steps with a penetration of [`judge::DEEP`] or more; of these the last ones in a row, and the
-    /// most in a row.
+    /// Steps with a penetration of [`judge::DEEP`] or more; of these the last ones in a row, and
+    /// the most in a row.
     deep: u64,
     deep_now: u64,
     deep_longest: u64,
@@ -83,7 +85,8 @@ impl Extremes {
         word(self.sound())
     }
 
-    /// Takes in the soak of another seed; hash, places tried and the deepest place stay those of one.
+    /// Takes in the soak of another seed; hash, places tried and the deepest place stay those of
+    /// one.
     fn join(self, other: &Self) -> Self {
         Self {
             tries: self.tries,
@@ -198,7 +201,8 @@ fn are_kept(figures: &[Figure]) -> bool {
     figures.iter().all(|figure| figure.kept)
 }
 
-/// Prints the soak of a seed, with its length and its step \[s\]; true when all figures keep to their limits.
+/// Prints the soak of a seed, with its length and its step \[s\]; true when all figures keep to
+/// their limits.
 fn print((seconds, h, seed): (f64, f64, u32), e: &Extremes, figures: &[Figure]) -> bool {
     let passed = are_kept(figures);
     println!(
@@ -292,7 +296,8 @@ mod tests {
         assert_eq!(first.hash, soak(&args, 1.0 / 60.0, 3, &[]).unwrap().hash);
     }
 
-    /// The hand for touch, thrashed. With seed 1 it jams the car under it from 3.1 s on, with 4 J in its drives.
+    /// The hand for touch, thrashed. With seed 1 it jams the car under it from 3.1 s on, with 4 J
+    /// in its drives.
     #[test]
     fn a_hand_for_touch_is_not_torn_up() {
         let args = Args {

@@ -23,8 +23,8 @@ use thenar_scene::session::TakenBack;
 pub struct Args {
     /// A recording, of `thenar record`, or of `--record` elsewhere.
     recording: PathBuf,
-    /// Fail unless the recording is whole, nothing was dropped while recording, and every step gives
-    /// the same bits.
+    /// Fail unless the recording is whole, nothing was dropped while recording, and every step
+    /// gives the same bits.
     #[arg(long)]
     verify: bool,
     /// Begin at the last keyframe before this time of the recording [s]; an error beyond its end.

@@ -108,7 +108,8 @@ pub fn tell(session: &Session) {
 /// Most pairs of bodies that are named for overlapping: what a person reads.
 const OVERLAPS_TOLD: usize = 20;
 
-/// Says on the error output what overlaps at the start, a line for each pair of bodies, the deepest first.
+/// Says on the error output what overlaps at the start, a line for each pair of bodies, the deepest
+/// first.
 pub fn tell_overlaps(overlaps: &[StartOverlap]) {
     let (told, rest) = overlaps.split_at(overlaps.len().min(OVERLAPS_TOLD));
     told.iter().for_each(|overlap| eprintln!("warning: {overlap}"));

@@ -10,9 +10,9 @@ use thenar_core::histogram::Histogram;
 use thenar_core::model::{Digit, SolverKind};
 use thenar_scene::session::{HandLoad, Session, StartOverlap};
 
-/// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3: contacts
-/// left out. 4: steps made in parts. 5: which figures to trust, and why. 6: how long tetrahedra were inside out. What an
-/// earlier version gave is there under the same keys.
+/// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3:
+/// contacts left out. 4: steps made in parts. 5: which figures to trust, and why. 6: how long
+/// tetrahedra were inside out. What an earlier version gave is there under the same keys.
 const REPORT_VERSION: u32 = 6;
 
 /// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
@@ -213,8 +213,8 @@ struct HandPeaks<'a> {
     points: [f64; 5],
 }
 
-/// Area for which a vertex stands where each finger's skin is fine \[m²\], a third of the triangles around it: a quarter of the
-/// finger's vertices stand for less. 0 without flesh.
+/// Area for which a vertex stands where each finger's skin is fine \[m²\], a third of the triangles
+/// around it: a quarter of the finger's vertices stand for less. 0 without flesh.
 fn areas_of_points(world: &World, soft: Option<u32>) -> [f64; 5] {
     let Some(soft) = soft else { return [0.0; 5] };
     let body = &world.desc().softs[soft as usize];
@@ -234,7 +234,8 @@ fn areas_of_points(world: &World, soft: Option<u32>) -> [f64; 5] {
     })
 }
 
-/// Tables of the fingers that touched something, one for each hand, under its name where there are several.
+/// Tables of the fingers that touched something, one for each hand, under its name where there are
+/// several.
 fn fingers(hands: &[HandPeaks]) -> Vec<String> {
     let touched = |hand: &&HandPeaks| hand.peaks.iter().any(|peak| peak.normal > 0.0);
     let (mut lines, mut is_fine) = (Vec::new(), true);
@@ -307,7 +308,8 @@ mod tests {
         assert!(fingers(&[hand("right", none)]).is_empty());
     }
 
-    /// A vertex stands for 4 mm²: a force on 4.1 has a pressure, one on 0.4 none that means anything.
+    /// A vertex stands for 4 mm²: a force on 4.1 has a pressure, one on 0.4 none that means
+    /// anything.
     #[test]
     fn no_pressure_is_told_of_less_than_a_vertex() {
         let table = |area: f64| fingers(&[hand("right", pressed(1, 0.41, area))]);

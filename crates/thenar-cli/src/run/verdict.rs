@@ -6,9 +6,11 @@ use serde_json::{Value, json};
 use thenar_core::model::{SolverKind, SolverSettings};
 use thenar_scene::session::{StartOverlap, Summary, TakenBack};
 
-/// At most this share of the steps may be off by more and leave the run's mean forces right to as much.
+/// At most this share of the steps may be off by more and leave the run's mean forces right to as
+/// much.
 const OFTEN: f64 = 0.01;
-/// Tetrahedra that are inside out for this long are no swing through a shape that they leave again \[s\].
+/// Tetrahedra that are inside out for this long are no swing through a shape that they leave again
+/// \[s\].
 const INVERTED_TIME_MAX: f64 = 0.1;
 
 /// Facts that a run is judged by.
@@ -158,8 +160,8 @@ fn misses(e: &Evidence) -> String {
     }
 }
 
-/// Misses matter where they are more than a soak allows. The other solvers measure a part of the change, not a speed: there
-/// small numbers mean nothing.
+/// Misses matter where they are more than a soak allows. The other solvers measure a part of the
+/// change, not a speed: there small numbers mean nothing.
 fn missed(e: &Evidence) -> Option<Doubt> {
     let s = e.summary;
     let is_small = e.settings.kind == SolverKind::Exact && s.contact_residual_max <= MISS_MAX;
@@ -329,7 +331,8 @@ mod tests {
         );
     }
 
-    /// The paper's solver measures a part of the change, not a speed: small numbers mean nothing there.
+    /// The paper's solver measures a part of the change, not a speed: small numbers mean nothing
+    /// there.
     #[test]
     fn many_large_misses_are_met_with_advice() {
         let advice = ": a shorter time_step helps, or a larger contact_sweeps_max";

@@ -7,7 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use thenar_scene::recording::FILE_BYTES_MAX;
 use thenar_scene::session::Session;
 
-/// SHA-256 of each file by the scene's name for it; `None` of one that cannot be read, whose cases fail.
+/// SHA-256 of each file by the scene's name for it; `None` of one that cannot be read, whose cases
+/// fail.
 #[derive(Debug, Default)]
 pub struct Files(BTreeMap<String, Option<String>>);
 
@@ -29,7 +30,8 @@ impl Files {
         serde_json::json!(self.0)
     }
 
-    /// Looks whether a session that was just opened was built from the files as they were when the sweep began.
+    /// Looks whether a session that was just opened was built from the files as they were when the
+    /// sweep began.
     ///
     /// # Errors
     /// One has changed since.

@@ -9,11 +9,13 @@ use crate::interrupt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use thenar_scene::session::{Figures, Session};
 
-/// Most cases that are opened to find one whose bodies can be built: a grid of which a 64th can be is found.
+/// Most cases that are opened to find one whose bodies can be built: a grid of which a 64th can be
+/// is found.
 const TRIES: u64 = 64;
 
-/// The row of one case of the whole sweep, the same in every shard, of which names, units and kinds count: the
-/// first case, or another that can be built where that cannot. Empty where none of [`TRIES`] can.
+/// The row of one case of the whole sweep, the same in every shard, of which names, units and kinds
+/// count: the first case, or another that can be built where that cannot. Empty where none of
+/// [`TRIES`] can.
 ///
 /// # Errors
 /// The program was asked to end.
@@ -37,7 +39,8 @@ pub fn row(scene: &Scene, plan: &Plan, place: &ShardFiles) -> Result<Row, CliErr
     Ok(Row::new())
 }
 
-/// The k-th of cases that are spread over all of them ever more densely (van der Corput 1935): 0, 1/2, 1/4, 3/4, …
+/// The k-th of cases that are spread over all of them ever more densely (van der Corput 1935): 0,
+/// 1/2, 1/4, 3/4, …
 fn spread(k: u64, cases: u64) -> u64 {
     let scaled = u128::from(k.reverse_bits()) * u128::from(cases);
     (scaled >> 64) as u64

@@ -7,7 +7,8 @@ use crate::error::CliError;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Version of `sweep.json`, of the records and of the results. 2: how long tetrahedra were inside out.
+/// Version of `sweep.json`, of the records and of the results. 2: how long tetrahedra were inside
+/// out.
 const SWEEP_VERSION: u32 = 2;
 /// Largest manifest \[bytes\]: a table of cases of its largest size is in it.
 const BYTES_MAX: u64 = 1 << 30;
@@ -79,8 +80,8 @@ impl Manifest {
         Value::Object(self.0.clone()).to_string()
     }
 
-    /// Figures of a shard: what is in `sweep.json`, the shard, how many cases it has and how many of them failed,
-    /// and unit of each column.
+    /// Figures of a shard: what is in `sweep.json`, the shard, how many cases it has and how many
+    /// of them failed, and unit of each column.
     pub fn of_shard(
         &self,
         shard: super::Shard,

@@ -8,7 +8,8 @@
 //! | `shard-K-of-N.parquet` | all rows of the shard | last; the cases' files go then |
 //! | `shard-K-of-N.json` | figures of the shard: cases, failures, columns with units | beside it |
 //!
-//! Each of them is whole or not there, so that a sweep that was cut goes on with the cases that are missing.
+//! Each of them is whole or not there, so that a sweep that was cut goes on with the cases that are
+//! missing.
 
 mod axis;
 mod case;
@@ -43,7 +44,8 @@ use thenar_scene::session::read_scene;
 pub struct Args {
     /// A scene file, or the name of a built-in scene (see `thenar scenes`).
     scene: PathBuf,
-    /// Values of a key, e.g. hand.hand.friction=0.4,0.8; given several times, every combination is run.
+    /// Values of a key, e.g. hand.hand.friction=0.4,0.8; given several times, every combination is
+    /// run.
     #[arg(long, value_name = "KEY=A,B,C")]
     vary: Vec<String>,
     /// A CSV file of cases, alone or combined with --vary: columns are keys, rows are cases.
@@ -67,7 +69,8 @@ pub struct Args {
     /// Write each case's probe table too, as DIR/probes/CASE.csv.
     #[arg(long)]
     probe: bool,
-    /// Cases at a time; as many as the processor has threads when left out. The results are the same.
+    /// Cases at a time; as many as the processor has threads when left out. The results are the
+    /// same.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// No progress and no summary.
@@ -97,7 +100,8 @@ impl Scene {
         Ok(Self { text, file: file(scene)?, files: Files::default() })
     }
 
-    /// Checks the text with these changes, without building anything, and tells the files that it names then.
+    /// Checks the text with these changes, without building anything, and tells the files that it
+    /// names then.
     ///
     /// # Errors
     /// Something is wrong; in the words of `--set`.
@@ -111,7 +115,8 @@ impl Scene {
 /// Runs the cases of a shard that are not there yet, and writes the table when all are.
 ///
 /// # Errors
-/// What was asked for makes no sense, a file cannot be written, the sweep was interrupted, or cases failed.
+/// What was asked for makes no sense, a file cannot be written, the sweep was interrupted, or cases
+/// failed.
 pub fn run(args: &Args) -> Result<(), CliError> {
     if args.seconds.is_some_and(|s| !(s > 0.0 && s <= 1e9)) {
         return Err(CliError::Input("--seconds must be more than 0 s and at most 1e9 s".into()));
@@ -167,7 +172,8 @@ impl ShardFiles {
         })
     }
 
-    /// Keeps other processes from this shard; of no use where files cannot be locked, which is reported.
+    /// Keeps other processes from this shard; of no use where files cannot be locked, which is
+    /// reported.
     fn lock(&self, args: &Args) -> Result<Option<Lock>, CliError> {
         let Shard { number, count } = args.shard;
         let share = format!("{}: shard {number}/{count}", args.out.display());
@@ -187,7 +193,8 @@ impl ShardFiles {
         }
     }
 
-    /// Removes records whose rows are in the table, and the lock: whoever takes another finds the table.
+    /// Removes records whose rows are in the table, and the lock: whoever takes another finds the
+    /// table.
     fn clear(&self) {
         // What cannot be removed is in nobody's way.
         let _ = std::fs::remove_dir_all(&self.cases);

@@ -30,7 +30,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Reads what was asked for and checks each value in the scene; tells the files that cases name.
+    /// Reads what was asked for and checks each value in the scene; tells the files that cases
+    /// name.
     ///
     /// # Errors
     /// Something makes no sense: says what.
@@ -84,7 +85,8 @@ impl Plan {
         Ok(())
     }
 
-    /// No key may be set twice, nor one inside of another: which value counts would be anyone's guess.
+    /// No key may be set twice, nor one inside of another: which value counts would be anyone's
+    /// guess.
     fn clash(&self) -> Result<(), CliError> {
         let fixed = self.set.iter().filter_map(|text| text.split_once('=')).map(|(k, _)| tidy(k));
         let varied = self.groups.iter().flat_map(|g| g.targets.iter().map(|(key, _)| key.clone()));

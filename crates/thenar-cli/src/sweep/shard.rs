@@ -14,7 +14,8 @@ pub struct Shard {
 const COUNT_MAX: u64 = 1_000_000_000;
 
 impl Shard {
-    /// The cases: every `count`-th, so that neighbours in a grid, which take about as long, are shared evenly.
+    /// The cases: every `count`-th, so that neighbours in a grid, which take about as long, are
+    /// shared evenly.
     pub fn cases(self, total: u64) -> impl Iterator<Item = u64> + Clone {
         let Range { start, end } = self.number - 1..total;
         (start..end).step_by(usize::try_from(self.count).unwrap_or(usize::MAX))

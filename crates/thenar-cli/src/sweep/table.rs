@@ -56,7 +56,8 @@ fn parse(text: &str) -> Result<Table, Wrong> {
     }
 }
 
-/// Splits into records and fields; lines that are empty are left out. Numbers are of each record's first line.
+/// Splits into records and fields; lines that are empty are left out. Numbers are of each record's
+/// first line.
 fn records(text: &str) -> Result<Vec<(usize, Vec<String>)>, Wrong> {
     let mut records = Vec::new();
     let (mut line, mut first) = (1, 1);

@@ -12,9 +12,10 @@ use thenar_link::{ForceDisplay, LinkError, Tracker};
 /// Devices, and how they are felt.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct DeviceOptions {
-    /// A tracker, a force display, or both, e.g. lucidgloves:/dev/ttyUSB0 (see `thenar devices`); may
-    /// be given several times. For trying without hardware `simulated` is a glove that opens and closes by
-    /// itself, and `simulated:cybergrasp` the paper's: a CyberGlove with a CyberGrasp on it.
+    /// A tracker, a force display, or both, e.g. lucidgloves:/dev/ttyUSB0 (see `thenar devices`);
+    /// may be given several times. For trying without hardware `simulated` is a glove that opens
+    /// and closes by itself, and `simulated:cybergrasp` the paper's: a CyberGlove with a CyberGrasp
+    /// on it.
     #[arg(long = "device", value_name = "NAME:ADDRESS")]
     pub devices: Vec<String>,
     /// How touch joins the tracked hand and the simulation.
@@ -31,8 +32,8 @@ pub struct DeviceOptions {
     /// profile allows.
     #[arg(long, value_name = "PART", requires = "devices")]
     pub force: Option<f64>,
-    /// Name of the wearer: no more force than `thenar devices comfort` found for that name. Without a name it is what
-    /// was found for whoever is not named, if anything was.
+    /// Name of the wearer: no more force than `thenar devices comfort` found for that name. Without
+    /// a name it is what was found for whoever is not named, if anything was.
     #[arg(long, value_name = "NAME", requires = "devices")]
     pub wearer: Option<String>,
     /// Start no keepers: processes that let the wearer go when this program is stopped or killed.
@@ -50,8 +51,8 @@ pub enum ModeWord {
     Multirate,
     /// The whole simulation within each tick of the loop.
     SingleRate,
-    /// Proxies, with contact solved in each tick on what the simulation publishes; as `multirate` where
-    /// its solver publishes nothing.
+    /// Proxies, with contact solved in each tick on what the simulation publishes; as `multirate`
+    /// where its solver publishes nothing.
     #[default]
     Shared,
 }

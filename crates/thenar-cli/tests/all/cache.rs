@@ -4,7 +4,8 @@ use crate::stage::{Folder, err, out, state};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Runs the paper's hand for two steps, at home in `folder`; what is printed ends with the hash of its state.
+/// Runs the paper's hand for two steps, at home in `folder`; what is printed ends with the hash of
+/// its state.
 fn run(folder: &Folder, cache: &str) -> String {
     let scene = ["run", "pinch", "--seconds", "0.02", "--set", "hand.hand.preset=paper"];
     let mut command = folder.command(&scene);

@@ -284,7 +284,8 @@ fn a_mesh_file_becomes_a_model_that_a_scene_uses() {
     assert!((last[2] - 0.1).abs() < 1e-9, "{last:?}");
 }
 
-/// The program prints what the document says of the default hand, and of another hand that hand's ranges.
+/// The program prints what the document says of the default hand, and of another hand that hand's
+/// ranges.
 #[test]
 fn the_names_and_ranges_of_a_hand_are_printed() {
     let folder = Folder::new("hand-list");

@@ -1,6 +1,6 @@
-//! Files that are none: pipes that nobody writes into, devices that give bytes for ever, folders. Whatever the
-//! program reads by name, it refuses them at once with one line that names file and cause. Also: messages
-//! repeat what they quote up to a bound.
+//! Files that are none: pipes that nobody writes into, devices that give bytes for ever, folders.
+//! Whatever the program reads by name, it refuses them at once with one line that names file and
+//! cause. Also: messages repeat what they quote up to a bound.
 #![cfg(unix)]
 
 use std::io::Write;

@@ -1,5 +1,5 @@
-//! Goal: a command's last line says what a newcomer needs to know next: whether to trust a run, and whether what was built is
-//! kept. Method: it is run as a user runs it.
+//! Goal: a command's last line says what a newcomer needs to know next: whether to trust a run, and
+//! whether what was built is kept. Method: it is run as a user runs it.
 
 use crate::stage::{Folder, err, out};
 use serde_json::Value;
@@ -60,9 +60,10 @@ fn an_overlap_at_the_start_makes_forces_doubtful() {
     assert_eq!(line, format!("trust: forces are doubtful: {}", said.join("; ")));
 }
 
-/// A cube of 50 mm and 20 kPa under a force for 0.3 s. At no thickness it resists with 432 times its modulus: 8.6 MPa, or
-/// 21.6 kN on its face of 25 cm². With 20 kN it comes to rest above that, and swings through it for two steps or so;
-/// with 40 kN it stays inside out until the force ends, and comes right after that.
+/// A cube of 50 mm and 20 kPa under a force for 0.3 s. At no thickness it resists with 432 times
+/// its modulus: 8.6 MPa, or 21.6 kN on its face of 25 cm². With 20 kN it comes to rest above that,
+/// and swings through it for two steps or so; with 40 kN it stays inside out until the force ends,
+/// and comes right after that.
 #[test]
 fn flesh_inside_out_in_the_middle_of_a_run_makes_shapes_doubtful() {
     let folder = Folder::new("inverted");

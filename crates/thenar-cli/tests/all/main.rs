@@ -1,5 +1,5 @@
-//! The program as a user runs it, in one binary: `cargo test -p thenar-cli --test all sweep::` runs a part. Apart stand
-//! `devices` and `touch`, which are timed.
+//! The program as a user runs it, in one binary: `cargo test -p thenar-cli --test all sweep::` runs
+//! a part. Apart stand `devices` and `touch`, which are timed.
 
 #[cfg(unix)]
 mod cache;

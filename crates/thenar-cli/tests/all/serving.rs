@@ -1,5 +1,5 @@
-//! Goal: a page is served where it was asked for, until Ctrl-C, and its port is free then. Method: the program is run as a user
-//! runs it, and asked for pages as a browser asks.
+//! Goal: a page is served where it was asked for, until Ctrl-C, and its port is free then. Method:
+//! the program is run as a user runs it, and asked for pages as a browser asks.
 
 use crate::stage::{Folder, err};
 use std::io::{BufRead, BufReader, Read, Write};

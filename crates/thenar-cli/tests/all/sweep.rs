@@ -1,6 +1,6 @@
-//! Goal: `thenar sweep` keeps its promises: every case once, whatever is cut, shared or threaded; the bits of `thenar
-//! run`; one clear error for what makes no sense. Method: the program is run and killed as a user would, and its
-//! tables are read back.
+//! Goal: `thenar sweep` keeps its promises: every case once, whatever is cut, shared or threaded;
+//! the bits of `thenar run`; one clear error for what makes no sense. Method: the program is run
+//! and killed as a user would, and its tables are read back.
 
 use crate::stage::{self, Folder, err, out, state};
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -11,7 +11,8 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// A grain that a force moves: 1e12 N gives numbers that are not finite, as its position leaves all bounds.
+/// A grain that a force moves: 1e12 N gives numbers that are not finite, as its position leaves all
+/// bounds.
 const SCENE: &str = "version = 1\nduration = 0.1\ntime_step = 0.01\n[[rigid]]\nname = \"a\"\nmass = 1e-9\n\
                      shape = { kind = \"sphere\", radius = 0.02 }\n\
                      [[load]]\nkind = \"force\"\nbody = \"a\"\nforce = [0, 0, 0]\n\
@@ -402,7 +403,8 @@ fn a_full_disk_is_one_error_and_leaves_no_draft() {
     assert!(done.status.success(), "{}", err(&done));
 }
 
-/// Of four shards, one has the case that can be built; the others' tables have its columns all the same.
+/// Of four shards, one has the case that can be built; the others' tables have its columns all the
+/// same.
 #[test]
 fn shards_whose_cases_all_failed_have_the_columns_of_the_others() {
     let folder = stocked("columns");
@@ -428,7 +430,8 @@ fn shards_whose_cases_all_failed_have_the_columns_of_the_others() {
     }
 }
 
-/// A second process finds the shard taken and changes nothing; a process that was killed keeps nobody out.
+/// A second process finds the shard taken and changes nothing; a process that was killed keeps
+/// nobody out.
 #[test]
 #[cfg(unix)]
 fn two_processes_never_run_one_shard() {

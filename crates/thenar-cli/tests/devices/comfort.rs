@@ -1,5 +1,6 @@
-//! Goal: a wearer finds out what is comfortable, can stop it at any time, and never feels more from then on. Method: a
-//! simulated glove on a pseudo-terminal, a simulated CyberGrasp behind its bridge, and a person at a terminal.
+//! Goal: a wearer finds out what is comfortable, can stop it at any time, and never feels more from
+//! then on. Method: a simulated glove on a pseudo-terminal, a simulated CyberGrasp behind its
+//! bridge, and a person at a terminal.
 
 use super::person::{Person, until};
 use super::{line_with, line_with_any, text, thenar};
@@ -93,7 +94,8 @@ impl Drop for Grasp {
     }
 }
 
-/// The force that was found for a finger, once the program says it; while it waits to go on, somebody does.
+/// The force that was found for a finger, once the program says it; while it waits to go on,
+/// somebody does.
 fn found(person: &mut Person, finger: usize) -> f64 {
     let line = line_with(&person.said, &format!("{}: ", NAMES[finger]));
     let force = line.rsplit(": ").next().unwrap().trim_end_matches(" N").parse().unwrap();
@@ -104,7 +106,8 @@ fn found(person: &mut Person, finger: usize) -> f64 {
     force
 }
 
-/// Someone who never stops it: each finger ends at what the glove's profile allows, 5 N of 10, alone, and that is kept.
+/// Someone who never stops it: each finger ends at what the glove's profile allows, 5 N of 10,
+/// alone, and that is kept.
 #[test]
 fn who_never_stops_it_ends_at_the_limit() {
     let folder = Folder::new("never");
@@ -140,8 +143,9 @@ fn who_never_stops_it_ends_at_the_limit() {
     until("all fingers are free", || glove.twin().servos == [0; 5]);
 }
 
-/// Any key stops a finger at once. Kept are 80 % of the last step that was over, of half a newton each, and nothing of a
-/// finger that was stopped at once; the file keeps what else is in it. From then on no finger feels more.
+/// Any key stops a finger at once. Kept are 80 % of the last step that was over, of half a newton
+/// each, and nothing of a finger that was stopped at once; the file keeps what else is in it. From
+/// then on no finger feels more.
 #[test]
 fn a_key_stops_a_finger_and_the_wearer_never_feels_more() {
     let (folder, grasp) = (Folder::new("stops"), Grasp::start());
@@ -286,7 +290,8 @@ fn what_is_not_wanted_is_not_done() {
     }
 }
 
-/// Bones alone, pushed on the palm and the index finger: what `touch` shows keeps to the wearer's, and says so.
+/// Bones alone, pushed on the palm and the index finger: what `touch` shows keeps to the wearer's,
+/// and says so.
 #[test]
 fn touch_keeps_to_the_wearer() {
     let (folder, grasp) = (Folder::new("touch"), Grasp::start());

@@ -1,6 +1,6 @@
-//! Goal: the delay of a tracker is measured and kept as a person would. Method: simulated gloves of known delays on
-//! pseudo-terminals, moved by one hand, and a person at a terminal. How exact it is, is shown in simulated time beside the
-//! method itself; here a busy machine is in it.
+//! Goal: the delay of a tracker is measured and kept as a person would. Method: simulated gloves of
+//! known delays on pseudo-terminals, moved by one hand, and a person at a terminal. How exact it
+//! is, is shown in simulated time beside the method itself; here a busy machine is in it.
 
 use super::person::Person;
 use super::{Simulated, line_with, line_with_any};
@@ -96,8 +96,8 @@ fn tracking(file: &Path) -> [f64; 3] {
     ["latency", "rate", "noise"].map(|key| table["tracking"][key].as_float().unwrap())
 }
 
-/// A glove that is 40 ms late, beside one that is said to be 5 ms late and is not late at all: 45 ms are asked about, kept
-/// on `yes`, and all else in the profile stays.
+/// A glove that is 40 ms late, beside one that is said to be 5 ms late and is not late at all: 45
+/// ms are asked about, kept on `yes`, and all else in the profile stays.
 #[test]
 fn a_second_tracker_tells_the_delay() {
     let worn = Worn::start("two", &[0.04, 0.0], Instant::now());
@@ -227,7 +227,8 @@ fn simulated_devices_can_be_late() {
     std::fs::remove_file(&file).unwrap();
 }
 
-/// A hand that does not move, one that nobody taps with, a tracker that is not there: refused in a line, nothing is kept.
+/// A hand that does not move, one that nobody taps with, a tracker that is not there: refused in a
+/// line, nothing is kept.
 #[test]
 fn too_little_is_refused() {
     let worn = Worn::start("little", &[0.0, 0.0], Instant::now());

@@ -1,5 +1,5 @@
-//! Goal: `thenar devices` works as a person uses it, without hardware. Method: one process simulates
-//! a device, another opens it.
+//! Goal: `thenar devices` works as a person uses it, without hardware. Method: one process
+//! simulates a device, another opens it.
 #![cfg(unix)]
 
 #[cfg(target_os = "linux")]
@@ -250,8 +250,8 @@ fn simulated_trackers_are_shown_live() {
     }
 }
 
-/// A session of `calibrate` and a person who answers it: at each prompt the hand takes the pose, then
-/// Enter.
+/// A session of `calibrate` and a person who answers it: at each prompt the hand takes the pose,
+/// then Enter.
 fn calibrate<T: Twin + 'static>(
     glove: &PtyTwin<T>,
     driver: &str,
@@ -295,9 +295,9 @@ fn told<T: Twin + 'static>(glove: &PtyTwin<T>, driver: &str, file: &Path) -> Str
     text(&output)
 }
 
-/// A wearer whose open hand reads a quarter and whose fist reads three quarters of the sensors' range,
-/// with a profile that has notes of theirs. Then half-way, by the sensors, is half-way by the hand: of
-/// 80, 95 and 55 degrees.
+/// A wearer whose open hand reads a quarter and whose fist reads three quarters of the sensors'
+/// range, with a profile that has notes of theirs. Then half-way, by the sensors, is half-way by
+/// the hand: of 80, 95 and 55 degrees.
 #[test]
 fn a_lucid_glove_is_calibrated_from_prompt_to_pose() {
     let port = std::env::temp_dir().join(format!("thenar-calibrate-l-{}", std::process::id()));
@@ -322,10 +322,10 @@ fn a_lucid_glove_is_calibrated_from_prompt_to_pose() {
     std::fs::remove_file(&file).unwrap();
 }
 
-/// The simulated wearer of a CyberGlove bends all of a finger's joints at once: flat is 0 and the other
-/// poses are 80, 95 and 55 degrees by the twin. Least squares over the prescribed poses then gives, for
-/// the index finger's base (0, 85 and 0 degrees for flat, table-top and hook, where the sensor is at its
-/// curls 0, 1 and 0): a gain by which curl 1 is 85 degrees.
+/// The simulated wearer of a CyberGlove bends all of a finger's joints at once: flat is 0 and the
+/// other poses are 80, 95 and 55 degrees by the twin. Least squares over the prescribed poses then
+/// gives, for the index finger's base (0, 85 and 0 degrees for flat, table-top and hook, where the
+/// sensor is at its curls 0, 1 and 0): a gain by which curl 1 is 85 degrees.
 #[test]
 fn a_cyberglove_is_calibrated_from_prompt_to_pose() {
     let port = std::env::temp_dir().join(format!("thenar-calibrate-c-{}", std::process::id()));

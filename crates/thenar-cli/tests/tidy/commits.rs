@@ -8,8 +8,8 @@ const SUBJECT_MAX: usize = 72;
 /// Commits of the branch that are looked at, the last ones: what is older stays as it is.
 const COMMITS: &str = "50";
 
-/// Subjects of the last commits. A tree without a history, as out of an archive, has none, nor has one without git; a shallow
-/// clone has those that it was given.
+/// Subjects of the last commits. A tree without a history, as out of an archive, has none, nor has
+/// one without git; a shallow clone has those that it was given.
 fn subjects() -> Vec<String> {
     let root = root();
     if !root.join(".git").exists() {

@@ -1,5 +1,6 @@
-//! What one step tells: bones, and how they answer until the next frame. Plain data of fixed size: the program around
-//! moves it through latest-value slots, and neither side ever waits for the other.
+//! What one step tells: bones, and how they answer until the next frame. Plain data of fixed size:
+//! the program around moves it through latest-value slots, and neither side ever waits for the
+//! other.
 
 use super::{Condensed, RigidState};
 

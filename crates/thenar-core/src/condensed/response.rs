@@ -12,8 +12,9 @@ use fearless_simd::{Level, dispatch};
 pub struct CondensedContact {
     /// Rows: normal (away from the obstacle), first and second tangent, world.
     pub frame: Mat3,
-    /// Contact value d₀ \[m\]: gap along the normal, negative when penetrating, then the slide along the tangents
-    /// since the frame, once all has come to rest under the frame's forces with the proxies unmoved.
+    /// Contact value d₀ \[m\]: gap along the normal, negative when penetrating, then the slide
+    /// along the tangents since the frame, once all has come to rest under the frame's forces with
+    /// the proxies unmoved.
     pub value: Vec3,
     /// Friction coefficient.
     pub friction: f64,
@@ -36,9 +37,9 @@ pub struct CondensedContact {
 ///
 /// C and W are symmetric, and so is B.
 ///
-/// The publisher fills the first three, `contacts`, `springs`, `targets`, for a frame that is not at rest `rest`,
-/// for one with loads `loads`, and calls `prepare`.
-/// `World::condense` knows the last two without J and W, which it leaves empty.
+/// The publisher fills the first three, `contacts`, `springs`, `targets`, for a frame that is not
+/// at rest `rest`, for one with loads `loads`, and calls `prepare`. `World::condense` knows the
+/// last two without J and W, which it leaves empty.
 #[derive(Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Condensed {
@@ -48,20 +49,22 @@ pub struct Condensed {
     pub springs: Vec<Drive>,
     /// Where the proxies were in this frame.
     pub targets: Vec<RigidState>,
-    /// How far the bones are from where they come to rest under the frame's forces and unmoved proxies,
-    /// 6n; zero when left empty.
+    /// How far the bones are from where they come to rest under the frame's forces and unmoved
+    /// proxies, 6n; zero when left empty.
     pub rest: Vec<f64>,
-    /// Wrenches on the bones from outside that are no contact and no weight, 6n; none when left empty.
+    /// Wrenches on the bones from outside that are no contact and no weight, 6n; none when left
+    /// empty.
     pub loads: Vec<f64>,
-    /// Compliance C, 6n × 6n: motions of the bones \[m\] and \[rad\] by wrenches on bones \[N\] and \[N m\],
-    /// couplings to the proxies included.
+    /// Compliance C, 6n × 6n: motions of the bones \[m\] and \[rad\] by wrenches on bones \[N\] and
+    /// \[N m\], couplings to the proxies included.
     pub compliance: Vec<f64>,
     /// Contacts that touch or may touch before the next frame.
     pub contacts: Vec<CondensedContact>,
-    /// Marks the contacts that are limits of joints: the hand's own, there in empty air as well. When empty, no
-    /// contact is one.
+    /// Marks the contacts that are limits of joints: the hand's own, there in empty air as well.
+    /// When empty, no contact is one.
     pub limits: Vec<bool>,
-    /// Jacobian J, 3m × 6n: contact values (normal, tangents) \[m\] by motions of the bones \[m\] and \[rad\].
+    /// Jacobian J, 3m × 6n: contact values (normal, tangents) \[m\] by motions of the bones \[m\]
+    /// and \[rad\].
     pub rows: Vec<f64>,
     /// Local response W, 3m × 3m: contact values \[m\] by contact forces \[N\], bones held.
     pub local: Vec<f64>,
@@ -214,7 +217,8 @@ impl Condensed {
         dispatch!(Level::new(), simd => vectors::dot(simd, row, x))
     }
 
-    /// Adds to the displacements `q` of the bones, 6n, what a force of 1 N along row `row` times `force` \[N\] moves them by.
+    /// Adds to the displacements `q` of the bones, 6n, what a force of 1 N along row `row` times
+    /// `force` \[N\] moves them by.
     pub fn add_lifted(&self, row: usize, force: f64, q: &mut [f64]) {
         let n = 6 * self.bones;
         let row = &self.lift[row * n..][..n];
@@ -226,8 +230,8 @@ impl Condensed {
         self.limits.get(i).is_some_and(|limit| *limit)
     }
 
-    /// Adds to the `values` of all contacts \[m\] what a `change` of the force of contact `i` \[N\] moves them by, `B Δf`. B is
-    /// symmetric: its columns are its rows, which lie together.
+    /// Adds to the `values` of all contacts \[m\] what a `change` of the force of contact `i` \[N\]
+    /// moves them by, `B Δf`. B is symmetric: its columns are its rows, which lie together.
     pub fn add_response(&self, i: usize, change: &Vec3, values: &mut [Vec3]) {
         let m = 3 * self.contacts.len();
         let (first, others) = self.delassus[3 * i * m..][..3 * m].split_at(m);

@@ -77,7 +77,8 @@ impl Aabb {
         upper(&beyond, &Vec3::zeros()).norm_squared()
     }
 
-    /// How far the box stays from the plane through `p` with this unit normal \[m\]; negative where it is cut.
+    /// How far the box stays from the plane through `p` with this unit normal \[m\]; negative where
+    /// it is cut.
     #[inline]
     pub fn distance_to_plane(&self, p: &Vec3, normal: &Vec3) -> f64 {
         normal.dot(&(self.center() - p)).abs() - normal.abs().dot(&self.half())

@@ -3,8 +3,8 @@
 use crate::contact::Shape;
 use crate::math::Vec3;
 
-/// Edges that stand at less than this to a face lie on it \[rad\]: the distance along the normal errs
-/// by half its square.
+/// Edges that stand at less than this to a face lie on it \[rad\]: the distance along the normal
+/// errs by half its square.
 const LYING: f64 = 0.1;
 
 /// Where a segment is nearest to a convex shape, and the part of it over the same face.
@@ -52,14 +52,15 @@ impl Along {
     }
 }
 
-/// Times that an edge is drawn out of a shape along the way found before. The bisector of its faces, the first way, leads
-/// aside by as much as it leans from the way out (31 µm on rims of 12 mm); along that way only the bend of the shape's
-/// own edge within it remains, and the last time takes that out.
+/// Times that an edge is drawn out of a shape along the way found before. The bisector of its
+/// faces, the first way, leads aside by as much as it leans from the way out (31 µm on rims of 12
+/// mm); along that way only the bend of the shape's own edge within it remains, and the last time
+/// takes that out.
 const DRAWN: usize = 3;
 
 impl Along {
-    /// Looks again from `way` outside the shape, where an edge that crosses one of the shape's own has
-    /// the direction between the two. `out` leads from the edge into the shape.
+    /// Looks again from `way` outside the shape, where an edge that crosses one of the shape's own
+    /// has the direction between the two. `out` leads from the edge into the shape.
     pub fn draw_apart(&mut self, shape: &Shape, ends: [Vec3; 2], mut out: Vec3, way: f64) {
         for _ in 0..DRAWN {
             let beside = Self::of(shape, ends.map(|p| p - way * out), 0.0);

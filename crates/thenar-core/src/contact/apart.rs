@@ -9,30 +9,32 @@ use crate::math::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Neighbours lie within this many mean edge lengths along the surface: the triangles around a vertex and those
-/// next to them. A fold of a mesh is a row of edges, and lays just these on each other, which no contact could
-/// part. What is farther away comes near by the bending of several rows.
+/// Neighbours lie within this many mean edge lengths along the surface: the triangles around a
+/// vertex and those next to them. A fold of a mesh is a row of edges, and lays just these on each
+/// other, which no contact could part. What is farther away comes near by the bending of several
+/// rows.
 const ALONG: f64 = 2.0;
-/// Or, through the body, they lie within this many. A part no thicker than its triangles are long is pressed flat
-/// before its two sides meet; of a thicker one they are more than their own flesh apart.
+/// Or, through the body, they lie within this many. A part no thicker than its triangles are long
+/// is pressed flat before its two sides meet; of a thicker one they are more than their own flesh
+/// apart.
 const THROUGH: f64 = 1.0;
-/// Largest number of vertices along the surface that are neighbours, the nearest ones, and of triangles around all of
-/// them: tables then grow with the surface and not with its square, however uneven its edges. Even meshes have some
-/// twenty and forty.
+/// Largest number of vertices along the surface that are neighbours, the nearest ones, and of
+/// triangles around all of them: tables then grow with the surface and not with its square, however
+/// uneven its edges. Even meshes have some twenty and forty.
 const ALONG_MAX: usize = 128;
 const TRIANGLES_MAX: usize = 1024;
-/// Through the body, neighbours lie within this many edges of the vertex itself: where these are much shorter than
-/// the mean, the mean would reach over ever more triangles. In even meshes the mean is less. What is left out may
-/// touch.
+/// Through the body, neighbours lie within this many edges of the vertex itself: where these are
+/// much shorter than the mean, the mean would reach over ever more triangles. In even meshes the
+/// mean is less. What is left out may touch.
 const EDGES_THROUGH: f64 = 16.0;
 /// Larger trees have no table of settled pairs, which only spares a search: at most 2 MB.
 const NODES_MAX: usize = 4096;
-/// Surfaces with more triangles or vertices have no table of pairs of triangles, nor of vertices and triangles, which
-/// likewise only spare a search: at most 2 MB each.
+/// Surfaces with more triangles or vertices have no table of pairs of triangles, nor of vertices
+/// and triangles, which likewise only spare a search: at most 2 MB each.
 const TABLED_MAX: usize = 4096;
-/// Parts nearer than this part of an edge at rest overlap already, as in a seam: they would push each other apart
-/// from the first step on. Contacts rest to a hundredth of an edge, and surfaces that were scanned or drawn to lie
-/// on each other do so to a few.
+/// Parts nearer than this part of an edge at rest overlap already, as in a seam: they would push
+/// each other apart from the first step on. Contacts rest to a hundredth of an edge, and surfaces
+/// that were scanned or drawn to lie on each other do so to a few.
 const OVERLAP: f64 = 0.05;
 
 /// Pairs of a vertex and a triangle that are neighbours: near along the surface at rest, on two
@@ -111,7 +113,8 @@ impl Apart {
         self.neighbors.is_set(v, t)
     }
 
-    /// True when vertex `v` and a corner of a triangle are carried by one bone, or by two joined ones.
+    /// True when vertex `v` and a corner of a triangle are carried by one bone, or by two joined
+    /// ones.
     pub fn are_of_joined_bones(&self, v: u32, corners: &[u32; 3]) -> bool {
         let of = &self.regions.of_vertex;
         of.get(v as usize)
@@ -130,14 +133,15 @@ impl Apart {
         self.near.get(i as usize * self.count + j as usize).is_some_and(|near| *near)
     }
 
-    /// True when no vertex and no edge of two triangles is to touch the other one; false where no table says so.
+    /// True when no vertex and no edge of two triangles is to touch the other one; false where no
+    /// table says so.
     pub fn touch_never(&self, s: u32, t: u32) -> bool {
         !self.never.is_empty() && self.never.is_set(s, t)
     }
 
-    /// True when the triangles of two groups, named by the bones of their first corners, need not be compared. False
-    /// where there is a table of settled pairs, which decides better: a triangle's other corners may be of other
-    /// bones.
+    /// True when the triangles of two groups, named by the bones of their first corners, need not
+    /// be compared. False where there is a table of settled pairs, which decides better: a
+    /// triangle's other corners may be of other bones.
     pub fn are_groups_apart(&self, i: u32, j: u32) -> bool {
         self.settled.is_empty() && self.are_joined(i, j)
     }
@@ -343,7 +347,8 @@ mod tests {
         (surface, apart)
     }
 
-    /// The tables say what is said without them, on a sheet that four bones carry, of which two pairs are joined.
+    /// The tables say what is said without them, on a sheet that four bones carry, of which two
+    /// pairs are joined.
     #[test]
     fn tables_tell_what_is_told_without_them() {
         let (points, triangles) = sheet(12);

@@ -10,24 +10,26 @@ use crate::contact::soft_way::KEPT;
 use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 
-/// Steps of one trace at most. Where they end early, a point on its way is constrained by the tangent plane of where it
-/// has got to; a point inside finds no way out, and keeps its nearest.
+/// Steps of one trace at most. Where they end early, a point on its way is constrained by the
+/// tangent plane of where it has got to; a point inside finds no way out, and keeps its nearest.
 const TRACE_STEPS_MAX: usize = 48;
-/// A point that has come in did so where its way of this step came this near to the surface, in parts of that way: the
-/// normal is that of the place it came through. No step of a trace is shorter than half of it, so that none creeps.
+/// A point that has come in did so where its way of this step came this near to the surface, in
+/// parts of that way: the normal is that of the place it came through. No step of a trace is
+/// shorter than half of it, so that none creeps.
 const ENTERED: f64 = 1e-3;
-/// Steps along a segment at most: of one that goes 100 mm in a step each is a quarter of a card's thickness.
+/// Steps along a segment at most: of one that goes 100 mm in a step each is a quarter of a card's
+/// thickness.
 const SEGMENT_STEPS_MAX: f64 = 480.0;
-/// A nearest face that turns by less than this (cosine of 45°) from the one that was seen is nearer to it than to one
-/// that is square to it: the point went on along a surface that bends.
+/// A nearest face that turns by less than this (cosine of 45°) from the one that was seen is nearer
+/// to it than to one that is square to it: the point went on along a surface that bends.
 const BENT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Faces are square to each other within this (cosine): vertices of meshes have single precision.
 const SQUARE: f64 = 10.0 * f32::EPSILON as f64;
-/// A straight way through a plate goes as deep as its middle, and one that cuts off a rim only as far as that reaches
-/// in: half as deep is a quarter of the thickness from the rim.
+/// A straight way through a plate goes as deep as its middle, and one that cuts off a rim only as
+/// far as that reaches in: half as deep is a quarter of the thickness from the rim.
 const THROUGH: f64 = 0.5;
-/// Out of a shape within this part of the depth: what all steps of a trace come to on a face at 75° to the way, each of
-/// which leaves a part `1 - cos 75°`.
+/// Out of a shape within this part of the depth: what all steps of a trace come to on a face at 75°
+/// to the way, each of which leaves a part `1 - cos 75°`.
 const OUTSIDE: f64 = 1e-6;
 
 /// The side of a shape on which a point was last seen, in the shape frame.
@@ -71,8 +73,8 @@ pub(crate) fn approach_from(
     trace(shape, p, now, u, length, radius, margin)
 }
 
-/// Follows the ball along `u` to the first place within `margin` of the shape that it nears: one that it passes
-/// by lies behind its tangent plane there, outside though it is.
+/// Follows the ball along `u` to the first place within `margin` of the shape that it nears: one
+/// that it passes by lies behind its tangent plane there, outside though it is.
 fn trace(
     shape: &Shape,
     p: &Vec3,
@@ -134,9 +136,9 @@ pub(crate) fn keep_side(
     found.unwrap_or(now)
 }
 
-/// The way back along `normal` of a point that came straight through the shape from `from`; `None` for one that went
-/// round its rim: the straight way cuts off no more than that, and lies nowhere as deep as a plate's middle would that
-/// is as thick as the way back.
+/// The way back along `normal` of a point that came straight through the shape from `from`; `None`
+/// for one that went round its rim: the straight way cuts off no more than that, and lies nowhere
+/// as deep as a plate's middle would that is as thick as the way back.
 fn came_through(shape: &Shape, from: &Vec3, p: &Vec3, normal: &Vec3) -> Option<Distance> {
     let (out, inside) = way_back(shape, p, normal)?;
     let is_through = inside > 0.0 && lies_as_deep(shape, from, p, 0.5 * THROUGH * inside);
@@ -159,8 +161,8 @@ fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Seen> {
     Some(Seen { normal: arrival.gradient, place: from })
 }
 
-/// True when the segment between two points lies `depth` \[m\] inside the shape somewhere, as far as the steps of the
-/// search tell.
+/// True when the segment between two points lies `depth` \[m\] inside the shape somewhere, as far
+/// as the steps of the search tell.
 fn lies_as_deep(shape: &Shape, from: &Vec3, to: &Vec3, depth: f64) -> bool {
     let way = to - from;
     let length = way.norm();
@@ -185,7 +187,8 @@ fn way_out(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<Distance> {
     way_back(shape, p, normal).map(|(out, _)| out)
 }
 
-/// Depth of `p` along `normal` like [`way_out`], and how much of that way lies inside the shape \[m\].
+/// Depth of `p` along `normal` like [`way_out`], and how much of that way lies inside the shape
+/// \[m\].
 fn way_back(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<(Distance, f64)> {
     let (mut way, mut before, mut deepest) = (0.0, 0.0, 0.0_f64);
     for _ in 0..TRACE_STEPS_MAX {
@@ -235,8 +238,8 @@ mod tests {
         assert!(approach(&PLATE, &Vec3::new(0.0, 0.087, 0.0), &u, 0.0, 1e-3).is_none());
     }
 
-    /// Points that fly past a ball or an edge, however near, and points that hit them, from all sides: the constraint
-    /// of one that is outside now never says that it is inside.
+    /// Points that fly past a ball or an edge, however near, and points that hit them, from all
+    /// sides: the constraint of one that is outside now never says that it is inside.
     #[test]
     fn no_point_outside_is_told_to_be_inside() {
         let shapes = [
@@ -307,8 +310,9 @@ mod tests {
         assert_eq!(keep_side(&PLATE, &round, &Vec3::zeros(), now, Some(seen)), now);
     }
 
-    /// Round the rim of a plate, with a straight way that cuts off a tenth of its thickness, outside now or just inside
-    /// as in contact; and through, three quarters of its thickness from the rim.
+    /// Round the rim of a plate, with a straight way that cuts off a tenth of its thickness,
+    /// outside now or just inside as in contact; and through, three quarters of its thickness from
+    /// the rim.
     #[test]
     fn a_rim_that_is_cut_off_is_gone_round() {
         for half in [0.5e-3, 2e-3, 0.01, 0.05] {
@@ -337,8 +341,8 @@ mod tests {
         }
     }
 
-    /// Past the side of a ball by 95° in a step, as flesh goes that a fast ball passes by: the way back along the old
-    /// normal passes by it, too.
+    /// Past the side of a ball by 95° in a step, as flesh goes that a fast ball passes by: the way
+    /// back along the old normal passes by it, too.
     #[test]
     fn what_flies_round_a_ball_is_not_in_it() {
         for radius in [1e-3, 0.01, 0.3] {
@@ -364,8 +368,9 @@ mod tests {
         assert_eq!(keep_side(&cube, &p, &Vec3::zeros(), now, Some(seen)), now);
     }
 
-    /// A face that bends keeps its nearest place up to 45°, beyond that a point goes back the way it came if that is
-    /// less than twice as far. At a depth of a hundredth of the radius it is `d / cos θ` but for 2 %.
+    /// A face that bends keeps its nearest place up to 45°, beyond that a point goes back the way
+    /// it came if that is less than twice as far. At a depth of a hundredth of the radius it is
+    /// `d / cos θ` but for 2 %.
     #[test]
     fn what_bends_by_less_than_45_degrees_is_the_same_side() {
         let (ball, p) = (Shape::Sphere { radius: 0.02 }, Vec3::y() * 0.0198);
@@ -381,8 +386,9 @@ mod tests {
         }
     }
 
-    /// Three times as deep below the top as behind the side, seen from above: the side leads out, also where a mesh of
-    /// single precision tells that its faces turn by a little more than a right angle.
+    /// Three times as deep below the top as behind the side, seen from above: the side leads out,
+    /// also where a mesh of single precision tells that its faces turn by a little more than a
+    /// right angle.
     #[test]
     fn square_faces_are_no_opposite_ones() {
         let cube = Shape::Cuboid { half: Vec3::repeat(0.01) };

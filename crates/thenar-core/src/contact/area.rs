@@ -1,12 +1,13 @@
 //! The area over which surfaces touch.
 //!
-//! The area of a contact patch is that of the part of the soft surface nearer than [`TOUCHING`] to the
-//! other body, at the end of the step. It is found triangle by triangle: the distance and its gradient
-//! are sampled over a triangle, and the part below the bound is cut out. What is found on a
-//! triangle is shared evenly by the contacts that touch it, so that their sum does not depend on how
-//! many there are; what bears load touches. During the step an edge or a tip slides away from the points
-//! that meet it: where none touches any more, but the triangle does, those near on it share. Between two soft surfaces a
-//! patch has at least the area that its load asks for (`area_least`).
+//! The area of a contact patch is that of the part of the soft surface nearer than [`TOUCHING`] to
+//! the other body, at the end of the step. It is found triangle by triangle: the distance and its
+//! gradient are sampled over a triangle, and the part below the bound is cut out. What is found on
+//! a triangle is shared evenly by the contacts that touch it, so that their sum does not depend on
+//! how many there are; what bears load touches. During the step an edge or a tip slides away from
+//! the points that meet it: where none touches any more, but the triangle does, those near on it
+//! share. Between two soft surfaces a patch has at least the area that its load asks for
+//! (`area_least`).
 
 use crate::contact::area_between::AtVertices;
 use crate::contact::area_faces::Faces;
@@ -22,8 +23,9 @@ use crate::room::Room;
 use std::cell::Cell;
 use std::ops::Range;
 
-/// Surfaces nearer than this touch \[m\]: a definition, as no area is without one. Of a ball of radius R that only just
-/// touches a plane it gives 2π R times this, 1.3 mm² for a fingertip of 1 cm.
+/// Surfaces nearer than this touch \[m\]: a definition, as no area is without one. Of a ball of
+/// radius R that only just touches a plane it gives 2π R times this, 1.3 mm² for a fingertip of 1
+/// cm.
 pub(crate) const TOUCHING: f64 = 20e-6;
 
 /// A corner of less weight has no part in a point.
@@ -37,7 +39,8 @@ const MAY_COME: f64 = -2.0;
 /// Work space: per triangle of the largest surface.
 #[derive(Clone, Debug)]
 pub(crate) struct AreaScratch {
-    /// Contacts that touch a triangle, those that only are near on it, and then its area for each of them \[m²\].
+    /// Contacts that touch a triangle, those that only are near on it, and then its area for each
+    /// of them \[m²\].
     count: Vec<u32>,
     near: Vec<u32>,
     share: Vec<f64>,
@@ -50,7 +53,8 @@ pub(crate) struct AreaScratch {
 }
 
 impl AreaScratch {
-    /// Room for the largest surface, with these counts of triangles and vertices, and for at most this many contacts.
+    /// Room for the largest surface, with these counts of triangles and vertices, and for at most
+    /// this many contacts.
     pub fn with_size(triangles: usize, vertices: usize, contacts: usize) -> Self {
         Self {
             count: vec![0; triangles],
@@ -86,14 +90,15 @@ impl AreaScratch {
         }
     }
 
-    /// Shares a triangle's area, which touches, by the contacts that do or, where none does, by those near on it.
+    /// Shares a triangle's area, which touches, by the contacts that do or, where none does, by
+    /// those near on it.
     pub fn share_out(&mut self, t: u32, area: f64) {
         let (touching, near) = (self.count[t as usize], self.near[t as usize]);
         self.share[t as usize] = area / f64::from(if touching > 0 { touching } else { near });
     }
 
-    /// Area of a triangle that touches, by samples. Where they find nothing, a point that touches or bore load stands for the finest
-    /// part: so small a patch is not resolved.
+    /// Area of a triangle that touches, by samples. Where they find nothing, a point that touches
+    /// or bore load stands for the finest part: so small a patch is not resolved.
     pub fn at_least(&self, skin: &Skin, t: u32, area: f64) -> f64 {
         if area > 0.0 || self.count[t as usize] == 0 {
             return area;
@@ -145,8 +150,8 @@ impl Skin<'_> {
     }
 }
 
-/// Areas of the contacts `of` of one surface with one rigid body, all of which are of this pair; `bears` says which bore
-/// load in the step.
+/// Areas of the contacts `of` of one surface with one rigid body, all of which are of this pair;
+/// `bears` says which bore load in the step.
 pub(crate) fn with_rigid(
     skin: Skin,
     (body, placed): (&RigidBody, &Placed),

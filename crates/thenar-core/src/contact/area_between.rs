@@ -1,6 +1,8 @@
-//! The area over which soft surfaces touch, each other or themselves: half of what touches on either side.
+//! The area over which soft surfaces touch, each other or themselves: half of what touches on
+//! either side.
 //!
-//! A triangle of one surface is held against those of the other that contacts say it meets: whatever is near makes one.
+//! A triangle of one surface is held against those of the other that contacts say it meets:
+//! whatever is near makes one.
 
 use crate::contact::aabb::Aabb;
 use crate::contact::area::{AreaScratch, LIGHT, Skin, TOUCHING, soft_point};
@@ -13,7 +15,8 @@ use crate::contact::{Contact, Distance, SurfacePoint};
 use crate::math::Vec3;
 use crate::room::Room;
 
-/// Each triangle is divided into parts half as long as an edge of the other surface: each then meets an edge or two.
+/// Each triangle is divided into parts half as long as an edge of the other surface: each then
+/// meets an edge or two.
 const PARTS_OF_EDGE: f64 = 2.0;
 
 const NONE: u32 = u32::MAX;
@@ -22,13 +25,15 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub(super) struct AtVertices {
     first: Vec<u32>,
-    /// Next point in the list of each point. A point's number is twice that of its contact, and one more on side B.
+    /// Next point in the list of each point. A point's number is twice that of its contact, and one
+    /// more on side B.
     next: Room<u32>,
     /// Vertices with a list.
     listed: Room<u32>,
     /// Distance of each contact at the end of the step \[m\].
     gaps: Room<f64>,
-    /// Touch at each point on one side, in the order of `points_on`: true where the contact touches, false where it only is near.
+    /// Touch at each point on one side, in the order of `points_on`: true where the contact
+    /// touches, false where it only is near.
     touching: Room<Option<bool>>,
     /// Triangles that one of the other surface meets.
     facing: Room<Facing>,
@@ -83,8 +88,8 @@ fn vertices(point: &SurfacePoint) -> impl Iterator<Item = u32> + '_ {
     (0..3).filter(|k| point.weights[*k] > LIGHT).map(|k| point.vertices[k])
 }
 
-/// Areas of contacts between two soft surfaces (or one and itself). `gap` gives each contact's distance at the end of
-/// the step, `bears` says which bore load in it.
+/// Areas of contacts between two soft surfaces (or one and itself). `gap` gives each contact's
+/// distance at the end of the step, `bears` says which bore load in it.
 pub(crate) fn between_soft(
     skins: [Skin; 2],
     of: &[Contact],
@@ -172,7 +177,8 @@ impl Facing {
         Self { triangle, x, normal, middle, radius }
     }
 
-    /// True where the planes of the two tell that all of triangle `y` lies farther from this one than `reach` \[m\].
+    /// True where the planes of the two tell that all of triangle `y` lies farther from this one
+    /// than `reach` \[m\].
     fn is_beyond(&self, y: &[Vec3; 3], reach: f64) -> bool {
         let normal = area_vector(y).try_normalize(0.0).unwrap_or_default();
         [(&self.normal, &self.x, y), (&normal, y, &self.x)].iter().any(|(normal, x, y)| {
@@ -181,8 +187,9 @@ impl Facing {
     }
 }
 
-/// Lists the triangles that contacts say triangle `t` with corners `x` meets, and those beside them, as far as they may be
-/// nearer than [`TOUCHING`], or as deep as these contacts. Returns how deep these are \[m\].
+/// Lists the triangles that contacts say triangle `t` with corners `x` meets, and those beside
+/// them, as far as they may be nearer than [`TOUCHING`], or as deep as these contacts. Returns how
+/// deep these are \[m\].
 fn face(
     (t, x): (u32, &[Vec3; 3]),
     [skin, other]: [&Skin; 2],
@@ -225,8 +232,9 @@ fn face(
     depth
 }
 
-/// Distance from the nearest of these triangles, negative behind it: not deeper than contacts say, by `deepest` \[m\]. What
-/// seems to be lies beyond the rim of these triangles, apart from those that follow.
+/// Distance from the nearest of these triangles, negative behind it: not deeper than contacts say,
+/// by `deepest` \[m\]. What seems to be lies beyond the rim of these triangles, apart from those
+/// that follow.
 fn distance(p: &Vec3, facing: &[Facing], other: &Skin, deepest: f64) -> Distance {
     let near = signed(p, facing, other);
     if near.value >= -deepest {

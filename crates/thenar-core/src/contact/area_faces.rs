@@ -1,7 +1,9 @@
-//! Where a triangle of skin is farther than [`TOUCHING`] from a mesh, told by the planes of the faces near it.
+//! Where a triangle of skin is farther than [`TOUCHING`] from a mesh, told by the planes of the
+//! faces near it.
 //!
-//! Skin lies along what it touches, and a distance that is known in one place tells little of the next. But no face
-//! is nearer than its plane, nor than the box around it, and few faces are near a triangle.
+//! Skin lies along what it touches, and a distance that is known in one place tells little of the
+//! next. But no face is nearer than its plane, nor than the box around it, and few faces are near a
+//! triangle.
 
 use crate::contact::Shape;
 use crate::contact::aabb::Aabb;
@@ -9,8 +11,8 @@ use crate::contact::area::TOUCHING;
 use crate::math::Vec3;
 use std::cell::Cell;
 
-/// Most faces that are kept: with more of them, distances decide sooner, as up to 153 places of a triangle ask each
-/// face.
+/// Most faces that are kept: with more of them, distances decide sooner, as up to 153 places of a
+/// triangle ask each face.
 const FACES_MAX: usize = 64;
 /// Places as far as [`TOUCHING`] but for rounding are not told.
 const FARTHER: f64 = TOUCHING * (1.0 + 1e-6);
@@ -23,8 +25,8 @@ pub(super) struct Faces {
     count: usize,
 }
 
-/// Heights of the triangle's corners over the plane of a face \[m\], positive on the side of the place outside, and
-/// the box around it.
+/// Heights of the triangle's corners over the plane of a face \[m\], positive on the side of the
+/// place outside, and the box around it.
 #[derive(Clone, Copy, Debug)]
 struct Face {
     heights: [f64; 3],
@@ -36,8 +38,8 @@ impl Face {
 }
 
 impl Faces {
-    /// Faces of a shape near triangle `x`, in the frame of the shape; `None` where they tell nothing. `guess` as in
-    /// [`Shape::distance_near`].
+    /// Faces of a shape near triangle `x`, in the frame of the shape; `None` where they tell
+    /// nothing. `guess` as in [`Shape::distance_near`].
     pub fn near(shape: &Shape, x: [Vec3; 3], guess: &Cell<u32>) -> Option<Self> {
         let Shape::Mesh(mesh) = shape else { return None };
         let index = &mesh.index;
@@ -80,9 +82,9 @@ impl Faces {
         (0..3).max_by(|&i, &j| least(i).total_cmp(&least(j))).unwrap_or(0)
     }
 
-    /// True when the triangle between three places, given by their weights of corners 1 and 2, is outside, farther
-    /// than [`TOUCHING`] from all faces: the way there from the place outside, over the same side of all planes, goes
-    /// through none.
+    /// True when the triangle between three places, given by their weights of corners 1 and 2, is
+    /// outside, farther than [`TOUCHING`] from all faces: the way there from the place outside,
+    /// over the same side of all planes, goes through none.
     pub fn are_beyond(&self, places: [[f64; 2]; 3]) -> bool {
         let [start, one, two] = self.x;
         self.faces[..self.count].iter().all(|Face { heights: [a, b, c], bounds }| {
@@ -111,8 +113,8 @@ mod tests {
     use crate::noise::Noise;
     use std::sync::Arc;
 
-    /// Triangles about faces, edges and corners of a cube: those found to be beyond are, and most of those beyond are
-    /// found.
+    /// Triangles about faces, edges and corners of a cube: those found to be beyond are, and most
+    /// of those beyond are found.
     #[test]
     fn what_is_beyond_is_outside_and_does_not_touch() {
         let (points, triangles) = cube(0.04, 3);

@@ -1,11 +1,14 @@
-//! The least area over which two soft surfaces bear their load: the load over the largest pressure on the patch.
+//! The least area over which two soft surfaces bear their load: the load over the largest pressure
+//! on the patch.
 //!
-//! Where two meshes meet at a vertex or along an edge, what is nearer than [`TOUCHING`] is a sliver, however hard they press: between
-//! its vertices neither gives way to the other. What they resolve is the pressure at a vertex, its share of the load over a third of
-//! the triangles around it, as seen along the load. No mean pressure is larger than the largest one, so that a patch which bears N
-//! with a peak p touches over N / p at least: a single vertex over the surface that it stands for. The larger of both surfaces'
-//! peaks counts, which is mostly that of the finer mesh. Under a round tip the peak is half more than the mean (Hertz), and two thirds
-//! of the area are asked for. A rigid shape has no triangles to meet: skin on it has the area that is near.
+//! Where two meshes meet at a vertex or along an edge, what is nearer than [`TOUCHING`] is a
+//! sliver, however hard they press: between its vertices neither gives way to the other. What they
+//! resolve is the pressure at a vertex, its share of the load over a third of the triangles around
+//! it, as seen along the load. No mean pressure is larger than the largest one, so that a patch
+//! which bears N with a peak p touches over N / p at least: a single vertex over the surface that
+//! it stands for. The larger of both surfaces' peaks counts, which is mostly that of the finer
+//! mesh. Under a round tip the peak is half more than the mean (Hertz), and two thirds of the area
+//! are asked for. A rigid shape has no triangles to meet: skin on it has the area that is near.
 //!
 //! [`TOUCHING`]: crate::contact::area::TOUCHING
 
@@ -49,8 +52,9 @@ impl Patches {
         }
     }
 
-    /// Gives contacts of patches that have less area than their load asks for their shares of it, by load. `skins` are the
-    /// soft surfaces of these contacts, `load` gives the normal force of each \[N\].
+    /// Gives contacts of patches that have less area than their load asks for their shares of it,
+    /// by load. `skins` are the soft surfaces of these contacts, `load` gives the normal force of
+    /// each \[N\].
     pub fn stand_for(
         &mut self,
         skins: &[Skin],
@@ -82,7 +86,8 @@ impl Patches {
         }
     }
 
-    /// Makes one patch of contacts that lie on a common triangle, or between vertices of which one is common.
+    /// Makes one patch of contacts that lie on a common triangle, or between vertices of which one
+    /// is common.
     fn join(&mut self, skin: &Skin, of: &[Contact], touches: impl Fn(usize) -> bool) {
         let Self { on, at, triangles, corners: listed, next, .. } = self;
         for (i, contact) in of.iter().enumerate().filter(|(i, _)| touches(*i)) {
@@ -180,7 +185,8 @@ mod tests {
         (points, faces.collect())
     }
 
-    /// A third of the four triangles at a tip, which seen from below are a square with edges of 10 mm √2.
+    /// A third of the four triangles at a tip, which seen from below are a square with edges of 10
+    /// mm √2.
     const OF_TIP: f64 = 2e-4 / 3.0;
 
     fn on_a_plane(body: (Vec<Vec3>, Vec<[u32; 3]>), height: f64) -> (Scene, Vec<Contact>) {
@@ -196,7 +202,8 @@ mod tests {
         matches!(&contact.a, Site::Soft(p) if p.vertices[0] == vertex && p.weights[0] == 1.0)
     }
 
-    /// A tip that bears load has the area that its vertex stands for, however large the load; without any, what is near.
+    /// A tip that bears load has the area that its vertex stands for, however large the load;
+    /// without any, what is near.
     #[test]
     fn a_tip_stands_for_its_surface() {
         let (scene, contacts) = on_a_plane(tip(), 0.01);
@@ -232,7 +239,8 @@ mod tests {
         assert!((of(&areas, 3) - OF_TIP).abs() < 1e-12 && (of(&areas, 9) - OF_TIP).abs() < 1e-12);
     }
 
-    /// A flat face that bears the same pressure all over, or more in the middle, keeps the area that is found.
+    /// A flat face that bears the same pressure all over, or more in the middle, keeps the area
+    /// that is found.
     #[test]
     fn a_patch_that_is_resolved_keeps_its_area() {
         let (scene, contacts) = on_a_plane(cube(0.04, 4), 0.02);

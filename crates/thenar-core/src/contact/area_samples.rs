@@ -1,4 +1,5 @@
-//! The part of a triangle that is nearer to something than [`TOUCHING`], by samples of the distance.
+//! The part of a triangle that is nearer to something than [`TOUCHING`], by samples of the
+//! distance.
 
 use crate::contact::area::TOUCHING;
 use crate::contact::triangle::{ROUNDED_UP, area_vector};
@@ -16,8 +17,8 @@ pub(super) fn parts_for(shape: &Shape, x: &[Vec3; 3]) -> usize {
     ((edge / part).ceil() as usize).clamp(1, PARTS_MAX)
 }
 
-/// A distance within bounds. Where all beside it lies on the same side of [`TOUCHING`] by these, nobody looks into it:
-/// the value is one of them.
+/// A distance within bounds. Where all beside it lies on the same side of [`TOUCHING`] by these,
+/// nobody looks into it: the value is one of them.
 #[derive(Clone, Copy)]
 struct Sample {
     value: f64,
@@ -73,9 +74,10 @@ impl Sample {
     }
 }
 
-/// Area of the part of triangle `x` where `distance` is below [`TOUCHING`] \[m²\], with edges divided
-/// into `parts`. `distance` is asked with a bound that it does not exceed on either side. Of places, by their
-/// weights of corners 1 and 2, `beyond` says whether the triangle between them is farther all over; it may not know.
+/// Area of the part of triangle `x` where `distance` is below [`TOUCHING`] \[m²\], with edges
+/// divided into `parts`. `distance` is asked with a bound that it does not exceed on either side.
+/// Of places, by their weights of corners 1 and 2, `beyond` says whether the triangle between them
+/// is farther all over; it may not know.
 pub(super) fn area_below(
     x: &[Vec3; 3],
     parts: usize,
@@ -143,9 +145,10 @@ pub(super) fn area_below(
     area_vector(x).norm() * parts_below / (n * n) as f64
 }
 
-/// The part of a triangle's area where a distance is below [`TOUCHING`], given its tangent planes at the corners by
-/// their values at all corners. A distance that bends up lies between these planes and the plane through its
-/// values; in a hollow, where it bends down, it lies between that plane and the lowest of them.
+/// The part of a triangle's area where a distance is below [`TOUCHING`], given its tangent planes
+/// at the corners by their values at all corners. A distance that bends up lies between these
+/// planes and the plane through its values; in a hollow, where it bends down, it lies between that
+/// plane and the lowest of them.
 fn part_below_planes(rises: [[f64; 3]; 3]) -> f64 {
     let gaps = [0, 1, 2].map(|i| rises[i][i]);
     let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
@@ -160,7 +163,8 @@ fn part_below_planes(rises: [[f64; 3]; 3]) -> f64 {
     }
     let up = || between(flat, part_below_all(rises), bent);
     let down = || {
-        // One is below where not all are above. A plane means nothing beyond an edge, where the distance bends up from it.
+        // One is below where not all are above. A plane means nothing beyond an edge, where the
+        // distance bends up from it.
         let above = rises.map(|rise| rise.map(|g| 2.0 * TOUCHING - g));
         let any = between(flat, 1.0 - part_below_all(above), hollow);
         flat + (1.0 - bent / hollow).max(0.0) * (any - flat)
@@ -169,24 +173,28 @@ fn part_below_planes(rises: [[f64; 3]; 3]) -> f64 {
     (part(bent, &up) + part(hollow, &down)) / (bent + hollow)
 }
 
-/// From what the plane through the values cuts out and what the tangent planes do, which leave it by `bends` \[m\] at most.
-/// Along a line of length h on which a distance bends by κ the tangent planes err by `κ h²/24` in the mean, and the plane by
-/// `κ h²/12` to the other side: two thirds of the ones and a third of the other leave no error of second order. What is
-/// smooth bends by a quarter of [`TOUCHING`] as [`parts_for`] divides it, and a tangent leaves it by four times that:
-/// beyond, and wholly from twice as much on, it is an edge or a tip, and made of the tangent planes.
+/// From what the plane through the values cuts out and what the tangent planes do, which leave it
+/// by `bends` \[m\] at most. Along a line of length h on which a distance bends by κ the tangent
+/// planes err by `κ h²/24` in the mean, and the plane by `κ h²/12` to the other side: two thirds of
+/// the ones and a third of the other leave no error of second order. What is smooth bends by a
+/// quarter of [`TOUCHING`] as [`parts_for`] divides it, and a tangent leaves it by four times that:
+/// beyond, and wholly from twice as much on, it is an edge or a tip, and made of the tangent
+/// planes.
 fn between(flat: f64, tangents: f64, bends: f64) -> f64 {
     let smooth = (flat + 2.0 * tangents) / 3.0;
     let edge = (bends / TOUCHING - 1.0).clamp(0.0, 1.0);
     smooth + edge * (tangents - smooth)
 }
 
-/// Tangent planes that differ by no more \[m\] are one: rounding of places in a metre is a tenth of it.
+/// Tangent planes that differ by no more \[m\] are one: rounding of places in a metre is a tenth of
+/// it.
 const FLAT: f64 = 1e-15;
 
-/// The part of a triangle's area where three linear functions with these corner values are all below [`TOUCHING`].
+/// The part of a triangle's area where three linear functions with these corner values are all
+/// below [`TOUCHING`].
 fn part_below_all(functions: [[f64; 3]; 3]) -> f64 {
-    // By weights of the corners. A cut of what is convex adds one corner; where rounding has bent that, no more than
-    // there were.
+    // By weights of the corners. A cut of what is convex adds one corner; where rounding has bent
+    // that, no more than there were.
     let [mut one, mut other] = [[[0.0_f64; 3]; 3 << 3]; 2];
     let (mut whole, mut cut) = (&mut one, &mut other);
     (whole[0], whole[1], whole[2]) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
@@ -307,8 +315,8 @@ mod tests {
         assert!(all_asked < 300 * (PARTS_MAX + 1) * (PARTS_MAX + 2) / 3, "{all_asked}");
     }
 
-    /// Area of the part of a triangle below a height, given those of its corners: quadratic in it on either side of
-    /// the middle corner.
+    /// Area of the part of a triangle below a height, given those of its corners: quadratic in it
+    /// on either side of the middle corner.
     fn under(area: f64, mut corners: [f64; 3], height: f64) -> f64 {
         corners.sort_by(f64::total_cmp);
         let [a, b, c] = corners;
@@ -321,9 +329,9 @@ mod tests {
         }
     }
 
-    /// An edge that a triangle lies on, wherever and however turned, touches a strip, into however few parts the triangle
-    /// is divided: on skin that lies on it flat, as wide as the bound reaches beside it; on skin that leans on both
-    /// sides, as they open.
+    /// An edge that a triangle lies on, wherever and however turned, touches a strip, into however
+    /// few parts the triangle is divided: on skin that lies on it flat, as wide as the bound
+    /// reaches beside it; on skin that leans on both sides, as they open.
     #[test]
     fn edges_touch_strips() {
         let mut random = Noise::seeded(11);
@@ -359,7 +367,8 @@ mod tests {
         }
     }
 
-    /// Tangent planes of a distance that does not bend are one but for rounding, whichever way it leans.
+    /// Tangent planes of a distance that does not bend are one but for rounding, whichever way it
+    /// leans.
     #[test]
     fn planes_that_are_one_cut_like_it() {
         let mut random = Noise::seeded(5);
@@ -414,8 +423,9 @@ mod tests {
         }
     }
 
-    /// Across a cylinder that presses into a triangle, however turned and shifted, a strip is below: divided as coarsely as
-    /// [`parts_for`] does it is right to a part in a hundred, and as it moves its area does not jump.
+    /// Across a cylinder that presses into a triangle, however turned and shifted, a strip is
+    /// below: divided as coarsely as [`parts_for`] does it is right to a part in a hundred, and as
+    /// it moves its area does not jump.
     #[test]
     fn strips_of_round_things_are_right_to_second_order() {
         let (radius, depth) = (8e-3, 10e-6);

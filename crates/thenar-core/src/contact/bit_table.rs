@@ -2,7 +2,8 @@
 
 /// Members of a list in one block.
 const BLOCK: usize = 32;
-/// Pairs of blocks without a bit, and full of bits; larger numbers are those of tiles, counted from `FIRST`.
+/// Pairs of blocks without a bit, and full of bits; larger numbers are those of tiles, counted from
+/// `FIRST`.
 const NOTHING: u32 = 0;
 const ALL: u32 = 1;
 const FIRST: u32 = 2;
@@ -10,8 +11,9 @@ const FIRST: u32 = 2;
 /// Bits of a block of rows and a block of columns: a number per row.
 type Tile = [u32; BLOCK];
 
-/// One bit per row and column. Rows and columns are cut into blocks in the order of their places; only pairs of blocks that
-/// are neither empty nor full keep their bits. What is asked for together should lie together.
+/// One bit per row and column. Rows and columns are cut into blocks in the order of their places;
+/// only pairs of blocks that are neither empty nor full keep their bits. What is asked for together
+/// should lie together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BitTable {
     /// Places of the rows, and of the columns, in their lists.
@@ -25,7 +27,8 @@ pub(crate) struct BitTable {
 }
 
 impl BitTable {
-    /// Asks `is_set(row, column)` for every bit. `rows` and `columns` hold their places: each of `0..len` once.
+    /// Asks `is_set(row, column)` for every bit. `rows` and `columns` hold their places: each of
+    /// `0..len` once.
     pub fn new(rows: Vec<u16>, columns: Vec<u16>, is_set: impl Fn(usize, usize) -> bool) -> Self {
         let [of_row, of_column] = [&rows, &columns].map(|places| blocks(places));
         let mut table = Self { blocks: of_column.len(), ..Self::default() };

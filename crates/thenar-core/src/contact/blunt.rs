@@ -1,32 +1,34 @@
 //! Directions at sharp edges.
 //!
-//! Around an edge the nearest place of a shape stays while the direction to it turns, through a right angle
-//! within the distance of the point. Of a point that presses an edge that distance is round-off, and so would
-//! be the direction. A direction is therefore looked for from a little inside the flesh: as if the edge
-//! were rounded by that much, it turns while the point moves by as much as the radius. Gaps stay what they are. Faces and
-//! smooth shapes give the directions they gave. Flesh with edges of its own, a block's, has no one direction inward there:
-//! the sharper it is the less is rounded.
+//! Around an edge the nearest place of a shape stays while the direction to it turns, through a
+//! right angle within the distance of the point. Of a point that presses an edge that distance is
+//! round-off, and so would be the direction. A direction is therefore looked for from a little
+//! inside the flesh: as if the edge were rounded by that much, it turns while the point moves by as
+//! much as the radius. Gaps stay what they are. Faces and smooth shapes give the directions they
+//! gave. Flesh with edges of its own, a block's, has no one direction inward there: the sharper it
+//! is the less is rounded.
 
 use crate::contact::triangle::ROUNDED_UP;
 use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 use std::cell::Cell;
 
-/// Radius of the rounding over the edges of the surface that touches. Measured on things drawn over fingertips: with a
-/// third of it the direction at a vertex turns within a step or two of 20 µm, with three times as much a corner beside a
-/// vertex turns it.
+/// Radius of the rounding over the edges of the surface that touches. Measured on things drawn over
+/// fingertips: with a third of it the direction at a vertex turns within a step or two of 20 µm,
+/// with three times as much a corner beside a vertex turns it.
 const RADIUS: f64 = 0.03;
-/// A surface as bent as a right-angled edge, of whose two normals the mean has this length, sees edges as they are.
+/// A surface as bent as a right-angled edge, of whose two normals the mean has this length, sees
+/// edges as they are.
 const BENT: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Directions at an edge differ by a right angle, at a corner by somewhat more (125° between the middle of a cube's corner
-/// and a face behind it).
+/// Directions at an edge differ by a right angle, at a corner by somewhat more (125° between the
+/// middle of a cube's corner and a face behind it).
 const OPPOSITE: f64 = -0.6;
 /// In radii: what differs by less is the same plane.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Distance to a shape for a point `p` at distance `now`, its direction that of the rounded shape. `outward` gives the
-/// mean of the unit normals of its surface around it, where it is needed; `edge` is the length of edges there. All in the
-/// shape frame.
+/// Distance to a shape for a point `p` at distance `now`, its direction that of the rounded shape.
+/// `outward` gives the mean of the unit normals of its surface around it, where it is needed;
+/// `edge` is the length of edges there. All in the shape frame.
 pub(crate) fn blunted(
     shape: &Shape,
     p: &Vec3,
@@ -54,7 +56,8 @@ pub(crate) fn blunted(
         return now;
     }
     let plane = at.value + radius * at.gradient.dot(&outward);
-    // No plane that touches a convex shape is farther than the shape: in a hollow that is another wall.
+    // No plane that touches a convex shape is farther than the shape: in a hollow that is another
+    // wall.
     if plane > now.value + ROUND_OFF * radius {
         return now;
     }
@@ -65,9 +68,9 @@ pub(crate) fn blunted(
     }
 }
 
-/// Unit normal at smooth flesh that a sharp part of a shape touches: `way` leads from there to the nearest place of the
-/// surface, `gap` \[m\] far. Seen from inside the flesh, as above; what has come in leaves along `outward`, the unit normal of
-/// the surface.
+/// Unit normal at smooth flesh that a sharp part of a shape touches: `way` leads from there to the
+/// nearest place of the surface, `gap` \[m\] far. Seen from inside the flesh, as above; what has
+/// come in leaves along `outward`, the unit normal of the surface.
 pub(crate) fn way_to(way: &Vec3, gap: f64, outward: &Vec3, edge: f64) -> Vec3 {
     if gap <= 0.0 {
         return -outward;
@@ -102,7 +105,8 @@ mod tests {
         blunted(shape, p, || outward.normalize(), EDGE, shape.distance(p))
     }
 
-    /// A sheet of 2 µm, and a point above it that looks up, as flesh does which is cut from the side.
+    /// A sheet of 2 µm, and a point above it that looks up, as flesh does which is cut from the
+    /// side.
     #[test]
     fn gaps_stay_and_directions_do_not_turn_back() {
         let sheet = Shape::Cuboid { half: Vec3::new(0.01, 1e-6, 0.01) };
@@ -160,9 +164,10 @@ mod tests {
         }
     }
 
-    /// Over the rim of a tin, the upper edge and the corner of a box, along a way that leads through the edge or
-    /// past it by nanometres, in steps of a micrometre: the direction turns by no more than a micrometre over
-    /// half the radius at a time, and gaps are those of the sharp shape.
+    /// Over the rim of a tin, the upper edge and the corner of a box, along a way that leads
+    /// through the edge or past it by nanometres, in steps of a micrometre: the direction turns by
+    /// no more than a micrometre over half the radius at a time, and gaps are those of the sharp
+    /// shape.
     #[test]
     fn directions_turn_slowly_over_edges() {
         let ways = [

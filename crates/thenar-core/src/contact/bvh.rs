@@ -5,8 +5,8 @@ use crate::contact::triangle::ROUNDED_UP;
 use crate::math::Vec3;
 use std::ops::Range;
 
-/// Most items of a leaf: a node's box is looked at before those of its items, which pays only where it is passed over
-/// for several. It decides the time and the order of visits.
+/// Most items of a leaf: a node's box is looked at before those of its items, which pays only where
+/// it is passed over for several. It decides the time and the order of visits.
 const LEAF_ITEMS_MAX: usize = 4;
 /// Median splits halve the items, so 2³² items need no more than this.
 const STACK: usize = 64;
@@ -46,7 +46,8 @@ impl Bvh {
         Self::build_grouped(boxes, |_| 0)
     }
 
-    /// Builds over these boxes like [`Bvh::build`], with the items of each group under a node of their own.
+    /// Builds over these boxes like [`Bvh::build`], with the items of each group under a node of
+    /// their own.
     pub fn build_grouped(boxes: &[Aabb], group_of: impl Fn(u32) -> u32) -> Self {
         let items = (0..boxes.len() as u32).collect();
         let mut tree = Self { items, boxes: boxes.to_vec(), ..Self::default() };
@@ -147,8 +148,8 @@ impl Bvh {
         walk((a, b), (0, 0), reach, |_, _| false, &mut stack, &mut visit);
     }
 
-    /// Calls `visit` once for every two items of this tree whose boxes come within `reach`; two groups for which
-    /// `apart` holds and pairs of nodes for which `skip` holds are left out.
+    /// Calls `visit` once for every two items of this tree whose boxes come within `reach`; two
+    /// groups for which `apart` holds and pairs of nodes for which `skip` holds are left out.
     pub fn pairs_within(
         &self,
         reach: f64,
@@ -267,8 +268,8 @@ impl Bvh {
         self.overlapping_near(query, |_| true, visit);
     }
 
-    /// Calls `visit` for every item whose box meets `query`, but for items below nodes around whose box nothing is
-    /// near.
+    /// Calls `visit` for every item whose box meets `query`, but for items below nodes around whose
+    /// box nothing is near.
     pub fn overlapping_near(
         &self,
         query: &Aabb,

@@ -7,7 +7,8 @@ pub(crate) struct Collector<'a> {
     out: Option<&'a mut Vec<Contact>>,
     capacity: usize,
     found: SearchReport,
-    /// Since it was full the contacts are a heap, the shallowest first, until they are put in order.
+    /// Since it was full the contacts are a heap, the shallowest first, until they are put in
+    /// order.
     heaped: bool,
     /// Depths that are not measured.
     known: KnownDepths<'a>,
@@ -33,8 +34,8 @@ impl KnownDepths<'_> {
         self.rigids.get(rigid as usize).copied().unwrap_or(0.0)
     }
 
-    /// A pair is known to be at most as deep as the one of its bodies that is less so; zero for bodies of which
-    /// nothing is known.
+    /// A pair is known to be at most as deep as the one of its bodies that is less so; zero for
+    /// bodies of which nothing is known.
     fn of(&self, contact: &Contact) -> f64 {
         let of = |site: &Site| match site {
             Site::Rigid { body, .. } => self.of_rigid(*body),

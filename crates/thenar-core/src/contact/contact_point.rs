@@ -49,8 +49,8 @@ pub struct Contact {
     pub a: Site,
     /// Side B.
     pub b: Site,
-    /// The point whose distance to the other surface the gap is, world \[m\]: a vertex of side A or the
-    /// sharp point of a rigid side; between rigid bodies and between edges the middle.
+    /// The point whose distance to the other surface the gap is, world \[m\]: a vertex of side A or
+    /// the sharp point of a rigid side; between rigid bodies and between edges the middle.
     pub position_W: Vec3,
     /// Unit normal, from B to A, world.
     pub normal_W: Vec3,
@@ -85,8 +85,8 @@ pub struct SurfaceState<'a> {
 pub struct SearchReport {
     /// Contacts delivered.
     pub contacts: u32,
-    /// Contacts left out because the capacity was reached (the deepest were kept), and pairs of rigid bodies
-    /// that were not looked at in a crowd.
+    /// Contacts left out because the capacity was reached (the deepest were kept), and pairs of
+    /// rigid bodies that were not looked at in a crowd.
     pub dropped: u32,
     /// Pairs of bodies near enough to be looked at.
     pub pairs: u32,

@@ -16,34 +16,37 @@ use crate::contact::support::{DISC_CORNERS, Face, Solid, inradius};
 use crate::contact::{Shape, cuboid_pair};
 use crate::math::Vec3;
 
-/// A flat face is the reference when the normal differs from its own by less than this (cosine of 2.6°): heights over
-/// it are then distances to a thousandth. What is tilted more rises by the usual margin within 22 mm. Tests of rigid
-/// pairs hold from 0.99 to 0.99999.
+/// A flat face is the reference when the normal differs from its own by less than this (cosine of
+/// 2.6°): heights over it are then distances to a thousandth. What is tilted more rises by the
+/// usual margin within 22 mm. Tests of rigid pairs hold from 0.99 to 0.99999.
 const ALIGNED: f64 = 0.999;
-/// The face of A is preferred to that of B only if so much better aligned (in cosines): of faces that are level to
-/// round-off B's stays.
+/// The face of A is preferred to that of B only if so much better aligned (in cosines): of faces
+/// that are level to round-off B's stays.
 const HANDICAP: f64 = 1e-4;
-/// A line and a round side that cross at more than this angle (sine of 45°) are left to their nearest points.
+/// A line and a round side that cross at more than this angle (sine of 45°) are left to their
+/// nearest points.
 const ALONG: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Where the way to the other shape has turned by more than this (cosine of 45°) from the normal of the pair, it leads to
-/// another side of it.
+/// Where the way to the other shape has turned by more than this (cosine of 45°) from the normal of
+/// the pair, it leads to another side of it.
 const ALIKE: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Edges that cross at more than this angle touch at their nearest points alone \[rad\]; up to it, how far they lie
-/// [beside](BESIDE) each other decides. Tests of rigid pairs hold from 0.005 to 0.5.
+/// Edges that cross at more than this angle touch at their nearest points alone \[rad\]; up to it,
+/// how far they lie [beside](BESIDE) each other decides. Tests of rigid pairs hold from 0.005 to
+/// 0.5.
 const PARALLEL: f64 = 0.05;
-/// Ends of a common length lie above each other but for this part of their gap (a line to which the normal stands askew
-/// by as much), and this part of the shorter line (lines that cross at twice this angle).
+/// Ends of a common length lie above each other but for this part of their gap (a line to which the
+/// normal stands askew by as much), and this part of the shorter line (lines that cross at twice
+/// this angle).
 const BESIDE: [f64; 2] = [1e-2, 1e-4];
-/// A corner no higher than this part of the size above the nearest point stands for it: directions are good for as
-/// much, the root of the tolerance to which distances are searched.
+/// A corner no higher than this part of the size above the nearest point stands for it: directions
+/// are good for as much, the root of the tolerance to which distances are searched.
 const SAME: f64 = 1e-7;
 /// Places nearer to each other than this part of the size are one: ten times as much.
 const SAME_PLACE: f64 = 1e-6;
-/// A normal this near to that of a flat face (cosine, 1.4e-6 rad) is the face's: ten times as far as directions are
-/// good for.
+/// A normal this near to that of a flat face (cosine, 1.4e-6 rad) is the face's: ten times as far
+/// as directions are good for.
 const ON_FACE: f64 = 1.0 - 1e-12;
-/// What lies beside a polygon by less than this part of its side lies on the side; corners nearer to each other than
-/// this part of the polygon are one. Round-off leaves less.
+/// What lies beside a polygon by less than this part of its side lies on the side; corners nearer
+/// to each other than this part of the polygon are one. Round-off leaves less.
 const ON_SIDE: f64 = 1e-9;
 
 /// Features: the nearest points, corners of a clipped face, ends of a common length.
@@ -89,9 +92,9 @@ fn on_face(a: &Solid, b: &Solid, near: Separation) -> Separation {
     Separation { gap, normal, ..near }
 }
 
-/// Adds the contact points of A and B if they are no farther than `near_enough`, normals from B to A;
-/// of the faces those whose gap is at most `margin`, which is more for bodies that move fast: stopped
-/// at one point, they turn others in.
+/// Adds the contact points of A and B if they are no farther than `near_enough`, normals from B to
+/// A; of the faces those whose gap is at most `margin`, which is more for bodies that move fast:
+/// stopped at one point, they turn others in.
 pub(crate) fn find(a: &Solid, b: &Solid, near_enough: f64, margin: f64, manifold: &mut Manifold) {
     let near = apart(a, b);
     if near.gap > near_enough {
@@ -188,7 +191,8 @@ fn flatten(
     }
 }
 
-/// The line of a face that lies farthest along `n`: an edge of a rectangle, or a face that is one, as it runs.
+/// The line of a face that lies farthest along `n`: an edge of a rectangle, or a face that is one,
+/// as it runs.
 fn straight(face: &Face, n: &Vec3) -> Option<[Vec3; 2]> {
     let corners = face.corners();
     if let [from, to] = *corners {
@@ -213,7 +217,8 @@ fn lines(
     let (Some(of_a), Some(of_b)) = (straight(face_a, &-n), straight(face_b, n)) else { return };
     let (of_a, of_b) = (Line::between(of_a), Line::between(of_b));
     let round = [a, b].map(RoundSide::of);
-    // Of two round sides the thinner one is looked at: from its axis the other is seen as from its surface.
+    // Of two round sides the thinner one is looked at: from its axis the other is seen as from its
+    // surface.
     let by_a = match &round {
         [Some(of_a), Some(of_b)] => of_a.thickness() <= of_b.thickness(),
         [_, of_b] => of_b.is_none(),
@@ -246,8 +251,8 @@ fn lines(
     }
 }
 
-/// An edge's point `p` above the point `q` of another, as far as they are not beside each other: lines of this length
-/// that are not the nearest ones are.
+/// An edge's point `p` above the point `q` of another, as far as they are not beside each other:
+/// lines of this length that are not the nearest ones are.
 fn above(p: &Vec3, q: &Vec3, n: &Vec3, length: f64) -> Option<Over> {
     let gap = (p - q).dot(n);
     let beside = ((p - q) - gap * n).norm();

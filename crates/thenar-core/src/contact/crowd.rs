@@ -1,11 +1,12 @@
 //! How many pairs of rigid bodies are looked at, so that a crowd in one place ends.
 //!
-//! Spheres of any sizes that touch without overlap have fewer than 14.93 neighbours on average (Kuperberg
-//! and Schramm, *Average kissing numbers for non-congruent sphere packings*, 1994), which is fewer than 7.47
-//! pairs per body. Four times as many are looked at, as boxes around bodies meet more often than these. A world in
-//! which more are near each other is entangled, or made of grains smaller than the margin, or of long bodies
-//! askew: then only pairs whose boxes overlap without the margin are looked at, and of each body only as many.
-//! Bodies that do not move by forces meet any number.
+//! Spheres of any sizes that touch without overlap have fewer than 14.93 neighbours on average
+//! (Kuperberg and Schramm, *Average kissing numbers for non-congruent sphere packings*, 1994),
+//! which is fewer than 7.47 pairs per body. Four times as many are looked at, as boxes around
+//! bodies meet more often than these. A world in which more are near each other is entangled, or
+//! made of grains smaller than the margin, or of long bodies askew: then only pairs whose boxes
+//! overlap without the margin are looked at, and of each body only as many. Bodies that do not move
+//! by forces meet any number.
 
 /// Pairs of rigid bodies that are looked at per body: four times 7.47, and a bit.
 pub(crate) const PAIRS_PER_BODY: usize = 32;
@@ -28,8 +29,8 @@ impl Allowance {
         self.of_body = PAIRS_PER_BODY;
     }
 
-    /// How far apart boxes may be to be looked at, of a contact margin \[m\]; nothing once this body may not be
-    /// looked at any more.
+    /// How far apart boxes may be to be looked at, of a contact margin \[m\]; nothing once this
+    /// body may not be looked at any more.
     pub fn margin(&self, margin: f64) -> Option<f64> {
         match (self.all, self.of_body) {
             (1.., _) => Some(margin),

@@ -14,19 +14,22 @@ use crate::contact::polygon::{Corner, Polygon};
 use crate::contact::support::Solid;
 use crate::math::{Mat3, Vec3};
 
-/// A later face is taken only if the boxes are farther apart along it by this part of the least half-length: of faces
-/// that are level to round-off the first stays, and the gap told is too small by no more.
+/// A later face is taken only if the boxes are farther apart along it by this part of the least
+/// half-length: of faces that are level to round-off the first stays, and the gap told is too small
+/// by no more.
 const FACE_HANDICAP: f64 = 1e-6;
-/// An axis across two edges is taken only if the boxes are farther apart along it by this part of the least
-/// half-length: edges make one point where faces make up to eight. Boxes that are level but for a small tilt so stand
-/// on faces; the overlap found is too great by no more than this part. Tests hold with 1e-6, too; with 0.1 boxes no
-/// longer part the shortest way.
+/// An axis across two edges is taken only if the boxes are farther apart along it by this part of
+/// the least half-length: edges make one point where faces make up to eight. Boxes that are level
+/// but for a small tilt so stand on faces; the overlap found is too great by no more than this
+/// part. Tests hold with 1e-6, too; with 0.1 boxes no longer part the shortest way.
 const EDGE_HANDICAP: f64 = 1e-2;
-/// Edges at less than this (sine) to each other have no axis of their own: across parallel edges boxes are rectangles,
-/// which their faces separate, and the gap is missed by less than this part of an edge.
+/// Edges at less than this (sine) to each other have no axis of their own: across parallel edges
+/// boxes are rectangles, which their faces separate, and the gap is missed by less than this part
+/// of an edge.
 const SINE_MIN: f64 = 1e-3;
-/// What lies beside a face by less than this part of the boxes' sizes lies on its side, so that round-off cuts no
-/// corner that two boxes in line share: a cut corner has another name, and what was kept of the contact is lost.
+/// What lies beside a face by less than this part of the boxes' sizes lies on its side, so that
+/// round-off cuts no corner that two boxes in line share: a cut corner has another name, and what
+/// was kept of the contact is lost.
 const ON_SIDE: f64 = 1e-9;
 
 /// A cuboid in the world; columns of `axes` are its own axes.

@@ -1,8 +1,9 @@
 //! Pairs of bodies that may have got deeper into each other than they were.
 //!
-//! No distance to a whole surface changes by more than its two sides have moved past each other; depths along a way
-//! out that is kept may change by more, and are then seen a step later. Of surfaces that
-//! is asked cluster by cluster: what has moved far past some part of a body lies mostly far from it.
+//! No distance to a whole surface changes by more than its two sides have moved past each other;
+//! depths along a way out that is kept may change by more, and are then seen a step later. Of
+//! surfaces that is asked cluster by cluster: what has moved far past some part of a body lies
+//! mostly far from it.
 
 use crate::contact::aabb::Aabb;
 use crate::contact::apart::Apart;
@@ -13,8 +14,8 @@ use crate::contact::{RigidPlace, Shape};
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use std::ops::Range;
 
-/// Most clusters of a surface, or up to twice as many: all pairs of two surfaces' are gone through, 16 000 boxes at
-/// most. Larger clusters are passed over less often, and each time cost a search.
+/// Most clusters of a surface, or up to twice as many: all pairs of two surfaces' are gone through,
+/// 16 000 boxes at most. Larger clusters are passed over less often, and each time cost a search.
 const CLUSTERS_MAX: usize = 64;
 /// Clusters of fewer triangles tell little more than these: four leaves of the tree.
 const TRIANGLES_MIN: usize = 16;
@@ -187,8 +188,8 @@ impl Since<'_> {
         }
     }
 
-    /// True when a vertex of a surface that is near to a rigid body, and that body, have moved past each other by
-    /// more than the slack. `positions` are those of all vertices.
+    /// True when a vertex of a surface that is near to a rigid body, and that body, have moved past
+    /// each other by more than the slack. `positions` are those of all vertices.
     pub fn may_deepen_in(
         &self,
         surface: &Surface,
@@ -210,8 +211,8 @@ impl Since<'_> {
         })
     }
 
-    /// True when two surfaces, or two parts of one, have moved past each other by more than the slack where they are
-    /// near to each other.
+    /// True when two surfaces, or two parts of one, have moved past each other by more than the
+    /// slack where they are near to each other.
     pub fn may_deepen(&self, sides: [(&Surface, &Clusters); 2], apart: Option<&Apart>) -> bool {
         let known = &self.known;
         let [a, b] = sides.map(|(surface, _)| known.of_soft(surface.soft));
@@ -267,8 +268,8 @@ mod tests {
         detector.measure(&after.places, states, &SeenSides::default(), known, moved)
     }
 
-    /// Bodies that part, meet, turn and bend from where none overlaps: what a whole search finds is found, of pairs
-    /// that are often fewer.
+    /// Bodies that part, meet, turn and bend from where none overlaps: what a whole search finds is
+    /// found, of pairs that are often fewer.
     #[test]
     fn what_has_got_deeper_is_looked_at() {
         let (mut random, mut deeper, mut fewer) = (Noise::seeded(3), 0, 0);
@@ -311,9 +312,10 @@ mod tests {
         assert!(search(&after, None).penetration > 1e-3);
         assert_eq!(search(&after, Some(&before)).pairs, 0);
     }
-    /// A plate that falls across another and is through it at the end of the step, where nothing overlaps: some look on the
-    /// way finds it at least half as deep as it is thick, and no deeper than that and its tilt over the other's half width
-    /// make it. One that passes by 1 mm is not found.
+    /// A plate that falls across another and is through it at the end of the step, where nothing
+    /// overlaps: some look on the way finds it at least half as deep as it is thick, and no deeper
+    /// than that and its tilt over the other's half width make it. One that passes by 1 mm is not
+    /// found.
     #[test]
     fn thin_plates_that_came_through_each_other_are_seen() {
         for thickness in [4e-4, 3e-3] {

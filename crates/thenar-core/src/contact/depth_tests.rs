@@ -1,5 +1,5 @@
-//! What has come in by up to a quarter of an edge is led out through the triangle it came through: corners,
-//! tips and ridges pressed into a face of long edges, as deep as a fifth of them.
+//! What has come in by up to a quarter of an edge is led out through the triangle it came through:
+//! corners, tips and ridges pressed into a face of long edges, as deep as a fifth of them.
 
 use super::tests::{Scene, boxed, cube, moved};
 use super::{Contact, Site};

@@ -145,12 +145,13 @@ impl Detector {
 
     /// Finds what touches, or may touch within the step, and puts it into `out`.
     ///
-    /// A contact is made where the gap is below the margin, or where the given velocities
-    /// close it to below the margin within the step; best given are the velocities expected
-    /// without contact, which include this step's forces. `rigids` has one entry per rigid body;
-    /// `surfaces` holds the collision vertices of all deformable bodies, one after another. `out` is emptied, and allocates only if its capacity is
-    /// below [`Detector::capacity`]. `before` are the sides seen in the step before (empty when
-    /// bodies were put elsewhere instead of moving there), `now` receives those of this one.
+    /// A contact is made where the gap is below the margin, or where the given velocities close it
+    /// to below the margin within the step; best given are the velocities expected without contact,
+    /// which include this step's forces. `rigids` has one entry per rigid body; `surfaces` holds
+    /// the collision vertices of all deformable bodies, one after another. `out` is emptied, and
+    /// allocates only if its capacity is below [`Detector::capacity`]. `before` are the sides seen
+    /// in the step before (empty when bodies were put elsewhere instead of moving there), `now`
+    /// receives those of this one.
     pub fn find(
         &mut self,
         reach: Reach,
@@ -173,7 +174,8 @@ impl Detector {
         collector.finish()
     }
 
-    /// How far a rigid body's shape reaches from its centre of mass \[m\]; zero without one, and for a half-space.
+    /// How far a rigid body's shape reaches from its centre of mass \[m\]; zero without one, and
+    /// for a half-space.
     pub(crate) fn radius(&self, rigid: usize) -> f64 {
         self.bodies[rigid].as_ref().map_or(0.0, |body| body.radius)
     }
@@ -193,8 +195,8 @@ impl Detector {
         self.measure(rigids, surfaces, before, KnownDepths::default(), None).penetration
     }
 
-    /// Deepest penetration \[m\] of those that are not known of their bodies; zero when none is. Looked for where
-    /// something near has moved since by more than the slack past something else.
+    /// Deepest penetration \[m\] of those that are not known of their bodies; zero when none is.
+    /// Looked for where something near has moved since by more than the slack past something else.
     pub(crate) fn deepening(
         &mut self,
         rigids: &[RigidPlace],
@@ -237,9 +239,9 @@ impl Detector {
         collector.finish()
     }
 
-    /// The area \[m²\] over which each of these contacts touches with bodies where they are now: see
-    /// [`area`]. Zero between rigid bodies, and where surfaces do not touch, unless the contact bore load: `force_W` gives each
-    /// contact's force on its first side \[N\].
+    /// The area \[m²\] over which each of these contacts touches with bodies where they are now:
+    /// see [`area`]. Zero between rigid bodies, and where surfaces do not touch, unless the contact
+    /// bore load: `force_W` gives each contact's force on its first side \[N\].
     pub fn areas(
         &mut self,
         rigids: &[RigidPlace],

@@ -35,8 +35,9 @@ impl Shape {
         }
     }
 
-    /// Signed distance from `p_S`, a point in the shape frame, where the surface is nearer than `reach` \[m\] or
-    /// `p_S` is inside, otherwise `None`. Of a mesh this takes a fraction of the time far from it.
+    /// Signed distance from `p_S`, a point in the shape frame, where the surface is nearer than
+    /// `reach` \[m\] or `p_S` is inside, otherwise `None`. Of a mesh this takes a fraction of the
+    /// time far from it.
     #[inline]
     pub fn distance_within(&self, p_S: &Vec3, reach: f64) -> Option<Distance> {
         match self {
@@ -50,7 +51,8 @@ impl Shape {
         matches!(self, Self::Mesh(mesh) if mesh.index.is_solid)
     }
 
-    /// [`Shape::distance_within`], of a mesh soonest found if near to where it was with the same `guess`.
+    /// [`Shape::distance_within`], of a mesh soonest found if near to where it was with the same
+    /// `guess`.
     #[inline]
     pub(crate) fn distance_within_near(
         &self,
@@ -64,8 +66,9 @@ impl Shape {
         }
     }
 
-    /// The distance, given that it is no more than `known` \[m\] on either side: of a mesh, and near it, this takes a
-    /// fraction of the time, the less the nearer to where the last one was asked with the same `guess` (any at first).
+    /// The distance, given that it is no more than `known` \[m\] on either side: of a mesh, and
+    /// near it, this takes a fraction of the time, the less the nearer to where the last one was
+    /// asked with the same `guess` (any at first).
     #[inline]
     pub(crate) fn distance_near(&self, p_S: &Vec3, known: f64, guess: &Cell<u32>) -> Distance {
         match self {

@@ -4,24 +4,25 @@ use crate::contact::features;
 use crate::contact::mesh_normals::STANDING;
 use crate::math::Vec3;
 
-/// Ways are followed for this many steps: an edge as far from the centre of mass as the one that is stopped is whipped to
-/// at most twice its speed (`2 v` less what the centre of mass loses).
+/// Ways are followed for this many steps: an edge as far from the centre of mass as the one that is
+/// stopped is whipped to at most twice its speed (`2 v` less what the centre of mass loses).
 pub(super) const FOLLOWED: f64 = 2.0;
 
-/// Where edges meet on their ways, normals may lean so far (sine, 45°) out of the cone of either: a body that is stopped at
-/// one edge turns the others level within the step, as a tilted plate that falls on another does. Edges that leave each
-/// other have normals that point the other way.
+/// Where edges meet on their ways, normals may lean so far (sine, 45°) out of the cone of either: a
+/// body that is stopped at one edge turns the others level within the step, as a tilted plate that
+/// falls on another does. Edges that leave each other have normals that point the other way.
 const TURNING: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// A sharp edge: its ends, and the outward normals of the faces beside it (twice the same at a border).
+/// A sharp edge: its ends, and the outward normals of the faces beside it (twice the same at a
+/// border).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
     pub ends: [Vec3; 2],
     pub normals: [Vec3; 2],
 }
 
-/// Where edges A and B cross: after which part of the step, the points of both that are nearest to each other then, as they
-/// are now, and the normal from B to A then.
+/// Where edges A and B cross: after which part of the step, the points of both that are nearest to
+/// each other then, as they are now, and the normal from B to A then.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossed {
     pub when: f64,
@@ -55,16 +56,16 @@ impl Edge {
         self.ends[1] - self.ends[0]
     }
 
-    /// The nearest points of both lines if they lie within the edges, and the normal if it is outward of both, of bodies
-    /// that turn by `turn` \[rad\] against each other in the step.
+    /// The nearest points of both lines if they lie within the edges, and the normal if it is
+    /// outward of both, of bodies that turn by `turn` \[rad\] against each other in the step.
     pub fn cross(&self, b: &Self, turn: f64) -> Option<Crossed> {
         let (s, t, n) = self.place(b, (STANDING + FOLLOWED * turn).min(TURNING))?;
         let at = |edge: &Self, t: f64| edge.ends[0] + t * edge.along();
         Some(Crossed { when: 0.0, p: at(self, s), q: at(b, t), n })
     }
 
-    /// The parts of both edges at which their lines are nearest, and the normal from B, which may lean out of the cone of
-    /// normals of either by `lean` (sine).
+    /// The parts of both edges at which their lines are nearest, and the normal from B, which may
+    /// lean out of the cone of normals of either by `lean` (sine).
     fn place(&self, b: &Self, lean: f64) -> Option<(f64, f64, Vec3)> {
         let (da, db) = (self.along(), b.along());
         let normal = da.cross(&db);
@@ -85,9 +86,10 @@ impl Edge {
         (b.looks(&n, lean) && self.looks(&-n, lean)).then_some((s, t, n))
     }
 
-    /// True when a normal lies between those of the faces beside the edge, or no farther out than `lean` (sine). Where it
-    /// leans by [`STANDING`] the other edge is nearest to the face, by a thousandth less than to this edge: of two plates
-    /// laid across each other all four crossings count before they are level, not the lowest alone.
+    /// True when a normal lies between those of the faces beside the edge, or no farther out than
+    /// `lean` (sine). Where it leans by [`STANDING`] the other edge is nearest to the face, by a
+    /// thousandth less than to this edge: of two plates laid across each other all four crossings
+    /// count before they are level, not the lowest alone.
     fn looks(&self, n: &Vec3, lean: f64) -> bool {
         let [n1, n2] = self.normals;
         if n1 == n2 {
@@ -101,8 +103,9 @@ impl Edge {
         n.dot(&into(&n1, &n2)) < lean && n.dot(&into(&n2, &n1)) < lean
     }
 
-    /// The points of both edges that meet first within [`FOLLOWED`] steps, where they are now, if the ends of this edge
-    /// go straight on by `ways` in a step, seen from B: when the lines lie in one plane,
+    /// The points of both edges that meet first within [`FOLLOWED`] steps, where they are now, if
+    /// the ends of this edge go straight on by `ways` in a step, seen from B: when the lines lie in
+    /// one plane,
     ///
     /// ```text
     ///   ((d_a + s (w_1 - w_0)) × d_b) · (b_0 - a_0 - s w_0) = 0

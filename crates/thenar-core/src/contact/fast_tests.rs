@@ -1,6 +1,6 @@
-//! Goal: fast bodies that spin are announced if they meet in the step, and only then. Method: capsules
-//! thrown at other shapes from random places; the least distance on their way is sampled in
-//! time and along the axis with the signed distance alone.
+//! Goal: fast bodies that spin are announced if they meet in the step, and only then. Method:
+//! capsules thrown at other shapes from random places; the least distance on their way is sampled
+//! in time and along the axis with the signed distance alone.
 
 use crate::contact::pair_tests::{mesh_ball, mesh_cube};
 use crate::contact::tests::{Scene, boxed};
@@ -102,7 +102,8 @@ fn bodies() -> [Shape; 9] {
     ]
 }
 
-/// How deep two shapes overlap at least \[m\]: the deepest of many places, in both; negative where none is in both.
+/// How deep two shapes overlap at least \[m\]: the deepest of many places, in both; negative where
+/// none is in both.
 fn overlap(shapes: [&Shape; 2], poses: [Pose; 2], random: &mut Noise) -> f64 {
     let depth = |p: Vec3| {
         let of = |i: usize| -shapes[i].distance(&poses[i].inverse_point(&p)).value;
@@ -144,7 +145,8 @@ fn overlaps_are_told_by_a_contact() {
     assert!(overlapping > 1500, "{overlapping}");
 }
 
-/// Bodies that are apart and fly past or at each other without spin: none of their contacts says that they overlap.
+/// Bodies that are apart and fly past or at each other without spin: none of their contacts says
+/// that they overlap.
 #[test]
 fn bodies_apart_are_never_told_to_overlap() {
     let shapes = bodies();

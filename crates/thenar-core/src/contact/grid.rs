@@ -4,8 +4,8 @@ use crate::contact::DistanceGrid;
 use crate::math::Vec3;
 
 impl DistanceGrid {
-    /// True when there are as many values as the sizes say, at least two along each axis, and a spacing that is
-    /// finite and positive.
+    /// True when there are as many values as the sizes say, at least two along each axis, and a
+    /// spacing that is finite and positive.
     pub(crate) fn is_sound(&self) -> bool {
         let count = self.dims.iter().try_fold(1_usize, |n, &d| n.checked_mul(d as usize));
         count == Some(self.values.len())

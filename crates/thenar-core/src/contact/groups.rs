@@ -1,5 +1,5 @@
-//! Numbers that belong together: a forest of sets (Galler & Fisher 1964), emptied at the cost of what
-//! was joined.
+//! Numbers that belong together: a forest of sets (Galler & Fisher 1964), emptied at the cost of
+//! what was joined.
 
 use crate::room::Room;
 

@@ -9,18 +9,21 @@ pub(super) const OFFERED_MAX: usize = 64;
 const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
 pub(crate) const DELIVERED_MAX: usize = 12;
-/// Height over the deepest point, in parts of how far apart points lie, past which the lower points go first: a body
-/// can only stand on those. A body tilts by this much (0.6°) before it stands on a higher one.
+/// Height over the deepest point, in parts of how far apart points lie, past which the lower points
+/// go first: a body can only stand on those. A body tilts by this much (0.6°) before it stands on a
+/// higher one.
 const LEVEL: f64 = 1e-2;
-/// Points that differ by no more than this part of their reach are as good as each other, and the one offered first is taken:
-/// a body that comes to rest trembles by less, and its points must not change for that. What is left out for it lies
-/// deeper by no more than 4 µm under a cup that is 40 mm wide.
+/// Points that differ by no more than this part of their reach are as good as each other, and the
+/// one offered first is taken: a body that comes to rest trembles by less, and its points must not
+/// change for that. What is left out for it lies deeper by no more than 4 µm under a cup that is 40
+/// mm wide.
 const EQUAL: f64 = 1e-4;
 
 /// Ways in which a body may tilt: with six, each corner of a rectangle comes first in one.
 const TILTS: usize = 6;
-/// How far it tilts \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side, the usual margin like the
-/// size of what a hand holds. Of points that are level it chooses the same at any angle.
+/// How far it tilts \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side, the
+/// usual margin like the size of what a hand holds. Of points that are level it chooses the same at
+/// any angle.
 const TILT: f64 = 0.05;
 
 /// One point.
@@ -34,7 +37,8 @@ pub(crate) struct ManifoldPoint {
     pub gap: f64,
 }
 
-/// A bounded set of points. Those of the pair of pieces in hand lie last, and make room among themselves.
+/// A bounded set of points. Those of the pair of pieces in hand lie last, and make room among
+/// themselves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Manifold {
     points: Room<ManifoldPoint>,
@@ -52,8 +56,8 @@ impl Manifold {
         self.own = 0;
     }
 
-    /// Begins another pair of pieces, for which half the room is kept. Returns the index of its first point, which
-    /// stays its first whatever is offered.
+    /// Begins another pair of pieces, for which half the room is kept. Returns the index of its
+    /// first point, which stays its first whatever is offered.
     pub fn begin(&mut self) -> usize {
         self.leave(0, KEPT);
         self.own = self.points.len();
@@ -93,8 +97,9 @@ impl Manifold {
         self.points.truncate(kept);
     }
 
-    /// Leaves at most `DELIVERED_MAX` points: first the deepest (but for [`EQUAL`]), then those that would touch first if the
-    /// body tilted, then again and again the one farthest from those chosen, at first of those about as deep.
+    /// Leaves at most `DELIVERED_MAX` points: first the deepest (but for [`EQUAL`]), then those
+    /// that would touch first if the body tilted, then again and again the one farthest from those
+    /// chosen, at first of those about as deep.
     pub fn reduce(&mut self) {
         self.leave(0, DELIVERED_MAX);
     }
@@ -121,7 +126,8 @@ fn take(points: &mut [ManifoldPoint], chosen: usize, i: usize) {
     points[chosen..=i].rotate_right(1);
 }
 
-/// Puts the `count` points to keep, of more, before the others, both in the order in which they were offered.
+/// Puts the `count` points to keep, of more, before the others, both in the order in which they
+/// were offered.
 fn choose(points: &mut [ManifoldPoint], count: usize) {
     let n = points.len();
     let lowest = points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
@@ -180,7 +186,8 @@ mod tests {
         assert!(has(0) && has(7) && has(56) && has(63), "the four corners");
     }
 
-    /// A cup comes to rest on 16 points of its rim, and trembles by nanometres: it keeps the twelve that it stands on.
+    /// A cup comes to rest on 16 points of its rim, and trembles by nanometres: it keeps the twelve
+    /// that it stands on.
     #[test]
     fn a_rim_keeps_its_points_as_it_settles() {
         let mut random = crate::noise::Noise::seeded(5);

@@ -8,8 +8,9 @@ use std::cell::Cell;
 /// Most places of a line of balls at which its clearance is looked for.
 const PROBES_MAX: usize = 16;
 
-/// True when a ball, or a line of balls, stays farther from a mesh than anything of it could touch in this step: seen
-/// from some places along the line, as a distance changes by no more than the way.
+/// True when a ball, or a line of balls, stays farther from a mesh than anything of it could touch
+/// in this step: seen from some places along the line, as a distance changes by no more than the
+/// way.
 pub(super) fn is_clear(pair: &Pair, mesh: &MeshShape) -> bool {
     let (radius, half) = match pair.a.shape {
         Shape::Sphere { radius } => (*radius, 0.0),
@@ -73,8 +74,8 @@ mod tests {
         RigidBody::new(&desc, f64::INFINITY).expect("it has a shape")
     }
 
-    /// Capsules and balls about a cube: none is clear of which some ball comes within the margin, and most of those
-    /// that stay twice as far are.
+    /// Capsules and balls about a cube: none is clear of which some ball comes within the margin,
+    /// and most of those that stay twice as far are.
     #[test]
     fn what_is_clear_is_farther_than_the_margin() {
         let (points, triangles) = cube(0.04, 3);

@@ -1,7 +1,7 @@
 //! Edges of meshes that cross other edges.
 //!
-//! Where edges cross, neither's vertices nor the faces beside them are nearest: what lies across an edge sinks in between
-//! its ends unless the crossing itself is a contact.
+//! Where edges cross, neither's vertices nor the faces beside them are nearest: what lies across an
+//! edge sinks in between its ends unless the crossing itself is a contact.
 
 use crate::contact::MeshShape;
 use crate::contact::aabb::Aabb;
@@ -12,8 +12,8 @@ use crate::contact::mesh_normals::STANDING;
 use crate::contact::mesh_pair::{CROSSING, FROM_B, Pair, SHALLOW};
 use crate::math::Vec3;
 
-/// Crossings are offered up to this many times as deep as the shallowest: that much too deep, if the shallowest is
-/// the way out.
+/// Crossings are offered up to this many times as deep as the shallowest: that much too deep, if
+/// the shallowest is the way out.
 const AS_DEEP: f64 = 1.2;
 
 /// Adds the crossings of the twelve edges of cuboid A with edges of mesh B.
@@ -32,17 +32,18 @@ pub(super) fn of_cuboid(pair: &Pair, half: &Vec3, mesh: &MeshShape, manifold: &m
 struct Crossing {
     feature: u32,
     position_W: Vec3,
-    /// Moved from there into both bodies, square to the normal: where that is one of a face, the place itself lies in the
-    /// face beside it, to round-off and what the normal leans.
+    /// Moved from there into both bodies, square to the normal: where that is one of a face, the
+    /// place itself lies in the face beside it, to round-off and what the normal leans.
     inner_W: Vec3,
     normal_W: Vec3,
     gap: f64,
-    /// Deeper than this it may be that of edges that lie behind each other, on far sides of thin bodies.
+    /// Deeper than this it may be that of edges that lie behind each other, on far sides of thin
+    /// bodies.
     shallow: f64,
 }
 
-/// Edges of mesh A that cross edges of mesh B, of which one is sharp: blunt ones sink in between their vertices by what
-/// triangles stand off the round surface that they stand for.
+/// Edges of mesh A that cross edges of mesh B, of which one is sharp: blunt ones sink in between
+/// their vertices by what triangles stand off the round surface that they stand for.
 pub(super) fn crossings(pairs: [&Pair; 2], meshes: [&MeshShape; 2], manifold: &mut Manifold) {
     let [a, b] = meshes.map(|mesh| &mesh.index);
     offer_crossings(pairs[0], manifold, |found| {
@@ -54,10 +55,12 @@ pub(super) fn crossings(pairs: [&Pair; 2], meshes: [&MeshShape; 2], manifold: &m
     });
 }
 
-/// Adds the crossings that `each` finds. Edges that have gone deep into each other cross at the shallowest of them and at
-/// what is little deeper: others lie behind each other, on far sides of the bodies.
+/// Adds the crossings that `each` finds. Edges that have gone deep into each other cross at the
+/// shallowest of them and at what is little deeper: others lie behind each other, on far sides of
+/// the bodies.
 fn offer_crossings(pair: &Pair, manifold: &mut Manifold, each: impl Fn(&mut dyn FnMut(Crossing))) {
-    // A place that stands out as far as a normal may lean is moved in by twice that: half of what is left.
+    // A place that stands out as far as a normal may lean is moved in by twice that: half of what
+    // is left.
     let lies_inside = |c: &Crossing| {
         let deep = 0.25 * STANDING * c.gap;
         [pair.a, pair.b].iter().all(|s| s.distance(&c.inner_W).value < deep)
@@ -141,8 +144,8 @@ fn crossing(
     let ways = (fast && !led_round).then(|| at_W.map(|p_W| pair.way(&p_W)));
     let swept = ways.map(|ways| [0, 1].map(|k| ends[k] + FOLLOWED * ways[k]));
     let [thinner, thickness] = thicknesses(pair);
-    // Edges that are apart along an axis may be as deep as both bodies are thick; of shorter ones ends lie inside then,
-    // and are met themselves.
+    // Edges that are apart along an axis may be as deep as both bodies are thick; of shorter ones
+    // ends lie inside then, and are met themselves.
     let length = (ends[1] - ends[0]).norm().min(others.longest);
     let deep = margin.max(thickness.min(0.5 * length));
     let mut near = Aabb::of_points(&ends);
@@ -173,8 +176,8 @@ fn crossing(
     });
 }
 
-/// A name of 28 bits for two edges that cross. Should two crossings have one name, the next solve starts for both from
-/// the force of one.
+/// A name of 28 bits for two edges that cross. Should two crossings have one name, the next solve
+/// starts for both from the force of one.
 fn crossing_name(i: u32, j: u32) -> u32 {
     (i.wrapping_mul(0x9E37_79B1) ^ j.wrapping_mul(0x85EB_CA6B).rotate_left(13)) >> 4
 }

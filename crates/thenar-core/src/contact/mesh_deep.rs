@@ -1,8 +1,8 @@
 //! A convex shape deep in a mesh.
 //!
-//! Points of the surfaces tell the way out as long as it is short: farther in, the normals of the two no longer
-//! agree anywhere, and none is offered. Then balls inside the shape tell, if one reaches into the mesh, and else
-//! the face of the mesh that lies deepest in the shape.
+//! Points of the surfaces tell the way out as long as it is short: farther in, the normals of the
+//! two no longer agree anywhere, and none is offered. Then balls inside the shape tell, if one
+//! reaches into the mesh, and else the face of the mesh that lies deepest in the shape.
 
 use crate::contact::Distance;
 use crate::contact::manifold::Manifold;

@@ -16,15 +16,15 @@ impl MeshShape {
         self.search(p, f64::INFINITY, f64::INFINITY).map_or(FARTHEST, |(distance, _)| distance)
     }
 
-    /// Signed distance from `p` (frame of the mesh) within `reach` of the surface \[m\], or inside it, otherwise
-    /// `None`.
+    /// Signed distance from `p` (frame of the mesh) within `reach` of the surface \[m\], or inside
+    /// it, otherwise `None`.
     pub(crate) fn distance_within(&self, p: &Vec3, reach: f64) -> Option<Distance> {
         let (found, _) = self.search(p, reach, f64::INFINITY)?;
         Some(found).filter(|d| d.value < reach)
     }
 
-    /// Signed distance like [`MeshShape::distance_within`], soonest found if near item `guess`, which becomes the
-    /// item that it is found by.
+    /// Signed distance like [`MeshShape::distance_within`], soonest found if near item `guess`,
+    /// which becomes the item that it is found by.
     pub(crate) fn distance_within_near(
         &self,
         p: &Vec3,
@@ -48,8 +48,8 @@ impl MeshShape {
         guessed.map_or(f64::INFINITY, distance)
     }
 
-    /// The distance, given that it is no more than `known` on either side. Soonest found if near item `guess`, which
-    /// becomes the one that it is found by.
+    /// The distance, given that it is no more than `known` on either side. Soonest found if near
+    /// item `guess`, which becomes the one that it is found by.
     pub(crate) fn distance_near(&self, p: &Vec3, known: f64, guess: &Cell<u32>) -> Distance {
         let known = known.min(self.distance_to(p, guess));
         let reach = known + self.index.rounding;
@@ -59,7 +59,8 @@ impl MeshShape {
         found.map_or(FARTHEST, |(distance, _)| distance)
     }
 
-    /// The distance if it is below `reach`, and the item it is found by, if it is no more than `known` on either side.
+    /// The distance if it is below `reach`, and the item it is found by, if it is no more than
+    /// `known` on either side.
     fn search(&self, p: &Vec3, reach: f64, known: f64) -> Option<(Distance, u32)> {
         let index = &self.index;
         let mut best: Option<(Distance, u32)> = None;

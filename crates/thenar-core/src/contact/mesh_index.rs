@@ -24,7 +24,8 @@ pub(crate) struct MeshEdge {
 #[derive(Clone, Default)]
 pub(crate) struct MeshIndex {
     pub tree: Bvh,
-    /// Triangle of each item of the tree, in the order of its leaves; those without area are left out.
+    /// Triangle of each item of the tree, in the order of its leaves; those without area are left
+    /// out.
     pub items: Vec<u32>,
     /// Corners of each item.
     pub(super) corners: Vec<[Vec3; 3]>,
@@ -47,7 +48,8 @@ pub(crate) struct MeshIndex {
     pub vertex_tree: Bvh,
     /// Half the thickness of a shell, zero for a solid \[m\].
     pub rounding: f64,
-    /// True when all pieces are closed, or all are shells: where one is open, sides may change in free air.
+    /// True when all pieces are closed, or all are shells: where one is open, sides may change in
+    /// free air.
     pub(super) is_solid: bool,
     /// Longest side of the box around the mesh \[m\].
     pub(super) size: f64,
@@ -82,11 +84,11 @@ impl std::fmt::Debug for MeshIndex {
     }
 }
 
-/// Cosine of the bend from which an edge is an edge, 5°. Below it the surface is taken as smooth: faces of bodies touch
-/// it within its own, and only their edges and rims touch it at bends.
+/// Cosine of the bend from which an edge is an edge, 5°. Below it the surface is taken as smooth:
+/// faces of bodies touch it within its own, and only their edges and rims touch it at bends.
 const SHARP: f64 = 0.996_194_698_091_745_5;
-/// Cosine of the bend from which a sharp edge that lies across can sink in beside the vertices, 8e-4 rad: by a ten-thousandth
-/// of the edge, an eighth of its bend.
+/// Cosine of the bend from which a sharp edge that lies across can sink in beside the vertices,
+/// 8e-4 rad: by a ten-thousandth of the edge, an eighth of its bend.
 const LEVEL: f64 = 1.0 - 3.2e-7;
 
 impl MeshIndex {

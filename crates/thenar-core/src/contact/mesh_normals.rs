@@ -4,18 +4,18 @@ use crate::contact::mesh_pair::Pair;
 use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 
-/// Points nearer to each other than this part of the shape are one: a tenth of what places of contacts are good for
-/// (10 µm, of shapes of a centimetre), so that none is let go that says more.
+/// Points nearer to each other than this part of the shape are one: a tenth of what places of
+/// contacts are good for (10 µm, of shapes of a centimetre), so that none is let go that says more.
 pub(super) const SAME: f64 = 1e-4;
 
-/// A flat face of a shape that stands on a mesh may lean by this much from the mesh's normals \[rad\], while it settles: a
-/// distance off the mesh is a thousandth shorter then.
+/// A flat face of a shape that stands on a mesh may lean by this much from the mesh's normals
+/// \[rad\], while it settles: a distance off the mesh is a thousandth shorter then.
 pub(super) const STANDING: f64 = 0.045;
 
 impl Pair<'_> {
-    /// True when mesh B, which holds the surface point `q_W`, is nearest there to what lies off it by `gap` \[m\] (or
-    /// at least a little) along `n_W`: when `n_W` leans by no more than `lean` \[rad\] from one of the mesh's normals
-    /// there, to round-off.
+    /// True when mesh B, which holds the surface point `q_W`, is nearest there to what lies off it
+    /// by `gap` \[m\] (or at least a little) along `n_W`: when `n_W` leans by no more than `lean`
+    /// \[rad\] from one of the mesh's normals there, to round-off.
     pub fn is_normal(&self, q_W: &Vec3, gap: f64, n_W: &Vec3, lean: f64) -> bool {
         self.seen_off(q_W, gap, n_W).is_within(lean)
     }
@@ -29,8 +29,9 @@ impl Pair<'_> {
         SeenOff { off, nearer: (value - off).abs(), gradient_W: gradient, round_off }
     }
 
-    /// Mesh B, seen from its surface point `q_W` along the way to A, which is `n_W` or, where the distance would differ by
-    /// no more than what is not known of it anyway (`unknown` \[m\]), upright on B. On what is round the place is known.
+    /// Mesh B, seen from its surface point `q_W` along the way to A, which is `n_W` or, where the
+    /// distance would differ by no more than what is not known of it anyway (`unknown` \[m\]),
+    /// upright on B. On what is round the place is known.
     pub fn seen_upright(&self, q_W: &Vec3, gap: f64, n_W: Vec3, unknown: f64) -> (Vec3, SeenOff) {
         let seen = self.seen_off(q_W, gap, &n_W);
         let upright_W = seen.gradient_W;
@@ -42,10 +43,11 @@ impl Pair<'_> {
         (upright_W, self.seen_off(q_W, gap, &upright_W))
     }
 
-    /// [`Pair::is_normal`] of a point of a triangle. A shape that is round touches the triangle beside the nearest one at its border,
-    /// a little aside and so a little aslant. Where the two are level such a point holds nothing: it leans by as many
-    /// radians as it lies radii aside, [`SAME`] at most. Along a line on which it is straight, and on what is flat, a
-    /// shape may stand.
+    /// [`Pair::is_normal`] of a point of a triangle. A shape that is round touches the triangle
+    /// beside the nearest one at its border, a little aside and so a little aslant. Where the two
+    /// are level such a point holds nothing: it leans by as many radians as it lies radii aside,
+    /// [`SAME`] at most. Along a line on which it is straight, and on what is flat, a shape may
+    /// stand.
     pub fn is_normal_beside(&self, seen: &SeenOff, n_W: &Vec3) -> bool {
         if seen.is_within(SAME) {
             return true;
@@ -81,8 +83,8 @@ impl Pair<'_> {
     }
 }
 
-/// Mesh B from a point off its surface: how far that is by what it should be, how much nearer or farther it is, and which way
-/// leads off B.
+/// Mesh B from a point off its surface: how far that is by what it should be, how much nearer or
+/// farther it is, and which way leads off B.
 pub(super) struct SeenOff {
     off: f64,
     nearer: f64,

@@ -1,10 +1,10 @@
 //! The contact points of a mesh with other shapes.
 //!
-//! A contact is a point of one surface and the exact distance of the other there. Points are offered
-//! generously: corners, rims and moving lowest points of a convex shape; on each near triangle the
-//! point nearest to the shape; ends of the part of each edge that runs along a face of the shape;
-//! vertices of meshes; edges that cross. Whatever is offered has its true gap, so that none of
-//! them can hold what the surfaces do not.
+//! A contact is a point of one surface and the exact distance of the other there. Points are
+//! offered generously: corners, rims and moving lowest points of a convex shape; on each near
+//! triangle the point nearest to the shape; ends of the part of each edge that runs along a face of
+//! the shape; vertices of meshes; edges that cross. Whatever is offered has its true gap, so that
+//! none of them can hold what the surfaces do not.
 
 use crate::contact::aabb::Aabb;
 use crate::contact::along::Along;
@@ -23,20 +23,23 @@ use crate::contact::sweep::MovingPiece;
 use crate::contact::{Distance, MeshShape, Shape};
 use crate::math::Vec3;
 
-/// Points on each rim of a cylinder or cone, beside its lowest: on these it stands, and as soon as it tilts, the lowest
-/// goes round. Between two of them it tips 8 % of the radius too early.
+/// Points on each rim of a cylinder or cone, beside its lowest: on these it stands, and as soon as
+/// it tilts, the lowest goes round. Between two of them it tips 8 % of the radius too early.
 const RIM_POINTS: usize = 8;
 /// Iterations that find the lowest point of a rim over a mesh; on a flat one the first does.
 const SETTLE: usize = 4;
 
-/// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was entered: there only
-/// corners and vertices tell the way out. Up to it, that is so only within as much of the border of a face. Found by
-/// trial: with a tenth as much, or ten times, depths of overlaps are wrong.
+/// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was
+/// entered: there only corners and vertices tell the way out. Up to it, that is so only within as
+/// much of the border of a face. Found by trial: with a tenth as much, or ten times, depths of
+/// overlaps are wrong.
 pub(super) const SHALLOW: f64 = 0.01;
 
-/// A contact that points the other way by more than this (cosine, 120°) does not hold a body where another would.
+/// A contact that points the other way by more than this (cosine, 120°) does not hold a body where
+/// another would.
 const OPPOSITE: f64 = -0.5;
-/// Points in one place whose normals are nearer than this (cosine of 2.6°, [`STANDING`]) hold the same.
+/// Points in one place whose normals are nearer than this (cosine of 2.6°, [`STANDING`]) hold the
+/// same.
 const ALONG: f64 = 0.999;
 
 const POINT: u32 = 0;
@@ -106,10 +109,11 @@ pub(crate) fn convex_on_mesh(
     }
 }
 
-/// Leaves out vertices of meshes from `first` on that are met along no normal of their mesh: beside a box that stands on
-/// level triangles, or has its edge on a ridge of them, its distance points sideways, and would hold it as if a step were
-/// in its way. What the mesh's surface does there other points tell; what has got in and is held by no other stays.
-/// `pairs` are those of which B has the vertices, and the flag of these.
+/// Leaves out vertices of meshes from `first` on that are met along no normal of their mesh: beside
+/// a box that stands on level triangles, or has its edge on a ridge of them, its distance points
+/// sideways, and would hold it as if a step were in its way. What the mesh's surface does there
+/// other points tell; what has got in and is held by no other stays. `pairs` are those of which B
+/// has the vertices, and the flag of these.
 fn drop_beside(pairs: &[(&Pair, u32)], first: usize, shallow: f64, manifold: &mut Manifold) {
     let is_upright = |p: &ManifoldPoint| {
         pairs.iter().all(|(pair, flag)| {
@@ -195,7 +199,8 @@ impl<'a> Pair<'a> {
         Self { a: a.at(0.0, 0.0), b: b.at(0.0, 0.0), movers: [a, b], reach, travel, same }
     }
 
-    /// The constraint of a ball of A (centre `p_W`) against the distance of B, and its motion in the step.
+    /// The constraint of a ball of A (centre `p_W`) against the distance of B, and its motion in
+    /// the step.
     pub fn approach(&self, p_W: &Vec3, radius: f64) -> Option<Distance> {
         let p = self.b.shape_point(p_W);
         let limit = radius + self.reach.margin + self.travel;
@@ -313,8 +318,8 @@ fn lowest_on_rim(pair: &Pair, mesh: &MeshShape, radius: f64, y: f64) -> Vec3 {
     p
 }
 
-/// The point of each near triangle that is nearest to A, where A's nearest point agrees. Returns the deepest in A,
-/// whether or not it does. Points of this pair begin at `first`.
+/// The point of each near triangle that is nearest to A, where A's nearest point agrees. Returns
+/// the deepest in A, whether or not it does. Points of this pair begin at `first`.
 fn faces(
     pair: &Pair,
     mesh: &MeshShape,
@@ -384,8 +389,8 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
     }
 }
 
-/// The ends of the part of each edge that runs along a face of A; of bends, along which faces and vertices stand, the
-/// place where they cross a rim.
+/// The ends of the part of each edge that runs along a face of A; of bends, along which faces and
+/// vertices stand, the place where they cross a rim.
 fn along_edges(
     pair: &Pair,
     mesh: &MeshShape,

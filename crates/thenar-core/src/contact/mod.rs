@@ -6,11 +6,11 @@
 //! Guaranteed: no allocation once the output has its capacity; the same input gives the same
 //! contacts in the same order; both sides of a contact use one common point, so that opposite
 //! forces balance in torque too; a point that would cross a surface within the step gets its
-//! contact before it crosses. Two soft surfaces meet at vertices on
-//! faces and at edges that cross, which is all that flat faces can do; a surface may meet itself, but
-//! for its neighbouring parts. Not guaranteed: that a soft surface and an edge of a rigid body cannot
-//! cut each other by a hundredth of an edge, or between points of that edge where they meet at speed; that
-//! flesh which is crushed until its surface turns inside out keeps its contacts.
+//! contact before it crosses. Two soft surfaces meet at vertices on faces and at edges that cross,
+//! which is all that flat faces can do; a surface may meet itself, but for its neighbouring parts.
+//! Not guaranteed: that a soft surface and an edge of a rigid body cannot cut each other by a
+//! hundredth of an edge, or between points of that edge where they meet at speed; that flesh which
+//! is crushed until its surface turns inside out keeps its contacts.
 
 mod aabb;
 mod along;

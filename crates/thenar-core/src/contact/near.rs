@@ -27,7 +27,8 @@ pub(crate) struct Arrival {
     pub weights: [f64; 3],
     /// Unit direction from the ball's centre to the triangle then.
     pub normal: Vec3,
-    /// How far the triangle's point has to go along the normal to touch, from where it is now \[m\].
+    /// How far the triangle's point has to go along the normal to touch, from where it is now
+    /// \[m\].
     pub gap: f64,
 }
 
@@ -54,7 +55,8 @@ impl Near {
         now.with(&(a + self.u[0])).with(&(b + self.u[1])).with(&(c + self.u[2]))
     }
 
-    /// True when any point of the triangle can come within `margin` \[m\] of a convex part in this step.
+    /// True when any point of the triangle can come within `margin` \[m\] of a convex part in this
+    /// step.
     pub fn may_touch(&self, part: &PlacedShape, margin: f64) -> bool {
         let x = self.x.map(|p| part.pose_SP.inverse_point(&p));
         part.shape.least_over(&x) <= margin + self.travel
@@ -70,15 +72,15 @@ impl Near {
         closest_on_triangle(p, &self.x)
     }
 
-    /// Follows the triangle to where it first comes within `margin` of a ball about `c` and nears it, if it does
-    /// so in this step: one that passes by is behind its tangent plane there, outside though it is (conservative
-    /// advancement: no point of it moves farther than `travel`).
+    /// Follows the triangle to where it first comes within `margin` of a ball about `c` and nears
+    /// it, if it does so in this step: one that passes by is behind its tangent plane there,
+    /// outside though it is (conservative advancement: no point of it moves farther than `travel`).
     pub fn arrival(&self, c: &Vec3, radius: f64, margin: f64) -> Option<Arrival> {
         self.arrival_from(c, radius, margin, self.closest(c), 1.0)
     }
 
-    /// Follows the triangle like [`Near::arrival`], with the place nearest now known; `None` if it comes later than
-    /// after the part `latest` of the step.
+    /// Follows the triangle like [`Near::arrival`], with the place nearest now known; `None` if it
+    /// comes later than after the part `latest` of the step.
     pub fn arrival_from(
         &self,
         c: &Vec3,
@@ -112,9 +114,9 @@ impl Near {
     }
 }
 
-/// True when a triangle whose corners move by `motion` past `c` may come within `reach` \[m\] of it: all of the
-/// triangle lies beyond the plane through its nearest place, square to the way there, which comes no faster than the
-/// fastest corner.
+/// True when a triangle whose corners move by `motion` past `c` may come within `reach` \[m\] of
+/// it: all of the triangle lies beyond the plane through its nearest place, square to the way
+/// there, which comes no faster than the fastest corner.
 pub(crate) fn may_arrive(
     c: &Vec3,
     nearest: &Closest,
@@ -161,8 +163,8 @@ mod tests {
         assert!(near > 500 && passed > 5000, "{near} {passed}");
     }
 
-    /// Triangles that fly past a ball and triangles that hit it, spinning ones too: that of one outside now never
-    /// says that it is inside.
+    /// Triangles that fly past a ball and triangles that hit it, spinning ones too: that of one
+    /// outside now never says that it is inside.
     #[test]
     fn no_triangle_outside_is_told_to_be_inside() {
         let mut noise = Noise(7);

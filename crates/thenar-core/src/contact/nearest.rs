@@ -11,15 +11,16 @@ use crate::math::Vec3;
 const TO_MIDDLE: f64 = 1e-3;
 /// Cuts through the centroid leave at most 1 - 1/e of the area each (Grünbaum, 1960).
 const CUTS_MAX: usize = 64;
-/// Within this part of the longest edge the least distance is found. The place is found less well: at an edge of the shape
-/// so near as `gap` it may lie `√(2 gap · edge · this)` aside, and the way to the shape leans by that over the gap.
+/// Within this part of the longest edge the least distance is found. The place is found less well:
+/// at an edge of the shape so near as `gap` it may lie `√(2 gap · edge · this)` aside, and the way
+/// to the shape leans by that over the gap.
 const TOLERANCE: f64 = 1e-9;
 const CORNERS_MAX: usize = CUTS_MAX + 4;
 
 impl Shape {
     /// Weights of the point of a triangle (in the shape frame) at which the signed distance is
-    /// least. Where that is so along a line or a face, it is the point nearest to the triangle's middle
-    /// (preferred by a thousandth, which keeps the point continuous as things tilt).
+    /// least. Where that is so along a line or a face, it is the point nearest to the triangle's
+    /// middle (preferred by a thousandth, which keeps the point continuous as things tilt).
     ///
     /// Exact for spheres; for other convex shapes within a thousandth of the longest edge times the
     /// tilt in value, found by convex minimisation. Of a compound, the best over its parts. Of
@@ -46,8 +47,8 @@ impl Shape {
 }
 
 impl Shape {
-    /// No point of a triangle is nearer to a convex shape than this \[m\]: its distance lies above the tangent plane at
-    /// the triangle's middle.
+    /// No point of a triangle is nearer to a convex shape than this \[m\]: its distance lies above
+    /// the tangent plane at the triangle's middle.
     pub(crate) fn least_over(&self, tri: &[Vec3; 3]) -> f64 {
         let middle = (tri[0] + tri[1] + tri[2]) / 3.0;
         let Distance { value, gradient } = self.distance(&middle);
@@ -62,8 +63,8 @@ impl Shape {
         value - 0.5 * gradient.dot(&(b - a)).abs()
     }
 
-    /// Where on the segment from `a` (0) to `b` (1) the signed distance of a convex shape is least; with
-    /// the same preference for the middle as in [`Shape::nearest_on_triangle`].
+    /// Where on the segment from `a` (0) to `b` (1) the signed distance of a convex shape is least;
+    /// with the same preference for the middle as in [`Shape::nearest_on_triangle`].
     pub(crate) fn nearest_on_segment(&self, a: &Vec3, b: &Vec3) -> f64 {
         let along = b - a;
         let length = along.norm();
@@ -92,8 +93,8 @@ pub(crate) fn point(tri: &[Vec3; 3], w: &[f64; 3]) -> Vec3 {
     tri[0] * w[0] + tri[1] * w[1] + tri[2] * w[2]
 }
 
-/// How much farther than the nearest place of a triangle, or of a segment, with an edge of this length the one may be that
-/// is found \[m\].
+/// How much farther than the nearest place of a triangle, or of a segment, with an edge of this
+/// length the one may be that is found \[m\].
 pub(crate) fn place_unknown(length: f64) -> f64 {
     TOLERANCE * length
 }
@@ -102,17 +103,21 @@ pub(crate) fn longest_edge(tri: &[Vec3; 3]) -> f64 {
     (0..3).map(|k| (tri[(k + 1) % 3] - tri[k]).norm()).fold(0.0, f64::max)
 }
 
-/// A shape whose curvature over an edge is less is straight there: differences are good for a hundred thousandth of this.
+/// A shape whose curvature over an edge is less is straight there: differences are good for a
+/// hundred thousandth of this.
 const STRAIGHT: f64 = 1e-6;
 /// A point of less weight lies on the edge across: places are found to a thousandth of this.
 const ON_EDGE: f64 = 1e-6;
-/// Part of the edge over which curvature is measured: the root of what gradients are good for, and more.
+/// Part of the edge over which curvature is measured: the root of what gradients are good for, and
+/// more.
 const APART: f64 = 1e-4;
-/// Newton steps: each squares what is left of the preference, a thousandth; and one may end on an edge.
+/// Newton steps: each squares what is left of the preference, a thousandth; and one may end on an
+/// edge.
 const STEPS: usize = 3;
 
-/// The weights of [`Shape::nearest_on_triangle`] without the preference for the middle in directions in which a convex shape
-/// is round: by Newton's method within the triangle, or along the edge on which the point lies.
+/// The weights of [`Shape::nearest_on_triangle`] without the preference for the middle in
+/// directions in which a convex shape is round: by Newton's method within the triangle, or along
+/// the edge on which the point lies.
 pub(crate) fn sharpened(shape: &Shape, tri: &[Vec3; 3], weights: [f64; 3]) -> [f64; 3] {
     let (e1, e2) = (tri[1] - tri[0], tri[2] - tri[0]);
     let Some(normal) = e1.cross(&e2).try_normalize(0.0) else { return weights };
@@ -377,7 +382,8 @@ mod tests {
         }
     }
 
-    /// No point of a fine division of the segment is nearer by more than the preference for the middle.
+    /// No point of a fine division of the segment is nearer by more than the preference for the
+    /// middle.
     #[test]
     fn no_other_point_of_the_segment_is_nearer() {
         let mut random = Noise::seeded(14);
@@ -394,8 +400,8 @@ mod tests {
         }
     }
 
-    /// Nearest points of round shapes are exact: in the triangle the distance has no slope, on its border none
-    /// inwards.
+    /// Nearest points of round shapes are exact: in the triangle the distance has no slope, on its
+    /// border none inwards.
     #[test]
     fn sharpened_points_of_round_shapes_are_exact() {
         let mut random = Noise::seeded(15);

@@ -1,6 +1,7 @@
 //! Parts of one surface that are no neighbours touch, and only they: forks whose arms are pressed
-//! together, laid on each other, or lie side by side from the start, and blocks that slide on slabs. Lengths are in edges; what must touch
-//! follows from the way between parts along the surface or through the body.
+//! together, laid on each other, or lie side by side from the start, and blocks that slide on
+//! slabs. Lengths are in edges; what must touch follows from the way between parts along the
+//! surface or through the body.
 
 use super::tests::{Scene, cube, moved};
 use super::{Contact, Detector, SeenSides, Shape, Site};
@@ -48,8 +49,8 @@ fn outside(is_filled: impl Fn([i32; 3]) -> bool, size: [i32; 3]) -> (Vec<Vec3>, 
     (points, triangles)
 }
 
-/// Two arms of two by two edges along x, z up to 2 and from 3, on a foot below x = 0. The slit between them is `slit`
-/// edges wide.
+/// Two arms of two by two edges along x, z up to 2 and from 3, on a foot below x = 0. The slit
+/// between them is `slit` edges wide.
 fn fork(slit: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let is_filled = |[x, y, z]: [i32; 3]| {
         let within = (0..ARM + 2).contains(&x) && (0..2).contains(&y) && (0..5).contains(&z);
@@ -63,7 +64,8 @@ fn fork(slit: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (points, triangles)
 }
 
-/// The vertices of the fork that touch something of it when it is deformed, by where they were at rest.
+/// The vertices of the fork that touch something of it when it is deformed, by where they were at
+/// rest.
 fn touching(slit: f64, deformed: impl Fn(&Vec3) -> Vec3) -> Vec<Vec3> {
     let (rest, triangles) = fork(slit);
     let mut scene = Scene::new();
@@ -92,9 +94,9 @@ fn all_touch(found: &[Vec3], slit: f64, is_wanted: impl Fn(&Vec3) -> bool) {
     }
 }
 
-/// The slit is closed by pressing the arms together. Two vertices that face each other at a distance d from
-/// its bottom are `2 d + 1` edges from each other along the surface: from d = 2 on that is more than anything
-/// that is near, and less than four times as much up to d = 4.
+/// The slit is closed by pressing the arms together. Two vertices that face each other at a
+/// distance d from its bottom are `2 d + 1` edges from each other along the surface: from d = 2 on
+/// that is more than anything that is near, and less than four times as much up to d = 4.
 #[test]
 fn a_slit_that_closes_touches_down_to_its_bottom() {
     let closed = |p: &Vec3| {
@@ -108,8 +110,9 @@ fn a_slit_that_closes_touches_down_to_its_bottom() {
     assert!(found.iter().all(|p| p.x > 0.5 && is_inner(p)), "{found:?}");
 }
 
-/// One arm is laid on the other. At rest its lower side is two edges and more from the upper side of the other,
-/// and lies behind that: through the body, and farther than a part is thick that cannot touch itself.
+/// One arm is laid on the other. At rest its lower side is two edges and more from the upper side
+/// of the other, and lies behind that: through the body, and farther than a part is thick that
+/// cannot touch itself.
 #[test]
 fn an_arm_laid_on_the_other_touches_it() {
     let laid = |p: &Vec3| {
@@ -125,9 +128,10 @@ fn an_arm_laid_on_the_other_touches_it() {
     all_touch(&found, 1.0, |p| is_on(p) && p.z > 3.5 && p.z < 4.5 && p.y > 1.5);
 }
 
-/// Slabs of two bodies in one surface, each the length of four bones. No contact of a block begins on the slab's half
-/// whose bone is joined to its own; one that slides there from the other half goes on, as deep as it is, until the
-/// two part, in either direction, at steps of a tenth of an edge up to a whole one.
+/// Slabs of two bodies in one surface, each the length of four bones. No contact of a block begins
+/// on the slab's half whose bone is joined to its own; one that slides there from the other half
+/// goes on, as deep as it is, until the two part, in either direction, at steps of a tenth of an
+/// edge up to a whole one.
 #[test]
 fn a_contact_that_slides_on_to_a_joined_bone_s_flesh_goes_on() {
     let (slab, block) = (cube(0.08, 8), cube(0.01, 1));
@@ -209,7 +213,8 @@ fn joint_between(parent: u32, child: u32) -> JointDesc {
     }
 }
 
-/// Arms that lie a tenth of an edge from each other at rest do not overlap: they touch where they come nearer.
+/// Arms that lie a tenth of an edge from each other at rest do not overlap: they touch where they
+/// come nearer.
 #[test]
 fn arms_that_lie_side_by_side_touch() {
     let slit = 0.1;
@@ -221,8 +226,8 @@ fn arms_that_lie_side_by_side_touch() {
     all_touch(&found, slit, |p| p.z > 1.5 && p.z < 2.5 && p.x > 3.5);
 }
 
-/// A wedge lies across the rim of a slab's flesh that it may touch: beyond it the slab belongs to a bone that is joined to
-/// the wedge's.
+/// A wedge lies across the rim of a slab's flesh that it may touch: beyond it the slab belongs to a
+/// bone that is joined to the wedge's.
 struct OnRim {
     /// Slope of the slab beyond the rim.
     fold: f64,
@@ -286,8 +291,8 @@ impl OnRim {
     }
 }
 
-/// The wedge's edge is held where it crosses the rim, however the flesh beyond is folded, whichever of the triangles come
-/// first, and of whichever corner they are named by.
+/// The wedge's edge is held where it crosses the rim, however the flesh beyond is folded, whichever
+/// of the triangles come first, and of whichever corner they are named by.
 #[test]
 fn a_rim_holds_an_edge_however_the_flesh_beyond_is_folded() {
     for fold in [-0.5, -0.2, 0.0, 0.05, 0.2, 0.5, 1.0] {

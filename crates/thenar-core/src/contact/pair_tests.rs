@@ -122,8 +122,8 @@ fn descended(a: &At, b: &At, start: Vec3, rounds: usize) -> Vec3 {
     p
 }
 
-/// How far off, at the place where it is least, the farther of two shapes is: below zero where they overlap. By steps
-/// to and fro that shrink.
+/// How far off, at the place where it is least, the farther of two shapes is: below zero where they
+/// overlap. By steps to and fro that shrink.
 fn least_common(a: &At, b: &At, random: &mut Noise) -> f64 {
     let worth = |p: &Vec3| a.distance(p).max(b.distance(p));
     let (_, p) = [0; 4]
@@ -211,13 +211,15 @@ fn overlaps_are_the_depths_of_the_points() {
                 a.1.position -= (d + depth) * n;
                 let found = contacts(&a, &b);
                 let least = found.iter().map(|c| c.gap).fold(f64::INFINITY, f64::min);
-                // No less than the ball that fits into the overlap; half of it, where the ball's way out is not the shortest.
+                // No less than the ball that fits into the overlap; half of it, where the ball's
+                // way out is not the shortest.
                 let common = -2.0 * least_common(&a, &b, &mut random);
-                // A rim or an edge deeper in a mesh than a hundredth of its shape is led out, and not at once.
+                // A rim or an edge deeper in a mesh than a hundredth of its shape is led out, and
+                // not at once.
                 let part = if depth > 5e-5 { 0.05 } else { 0.5 };
                 let told_at_least = part * common - ALLOWED;
-                // Another way out can be shorter than back along the normal, which is known to a few degrees; and of edges
-                // that cross, some are told that are a fifth deeper.
+                // Another way out can be shorter than back along the normal, which is known to a
+                // few degrees; and of edges that cross, some are told that are a fifth deeper.
                 assert!(
                     least > -1.5 * depth - ALLOWED
                         && (least < -told_at_least.max(0.0) || common < 0.1 * depth),
@@ -241,7 +243,8 @@ fn heights_over_a_plane_are_exact() {
         for _ in 0..20 {
             let pose = Pose::new(Vec3::zeros(), turned(&mut random));
             let up = pose.inverse_vector(&Vec3::y());
-            // From far below, the distance is the height of the lowest point to first order in 1/far.
+            // From far below, the distance is the height of the lowest point to first order in
+            // 1/far.
             let far = 1e4;
             let low = far - shape.distance(&(-far * up)).value;
             let gap = 3e-4;
@@ -257,8 +260,8 @@ fn heights_over_a_plane_are_exact() {
     }
 }
 
-/// The two points of each contact (of a pair that is not fast) lie on the surfaces, and each is as far from the other body as
-/// the contact says.
+/// The two points of each contact (of a pair that is not fast) lie on the surfaces, and each is as
+/// far from the other body as the contact says.
 fn check(a: &At, b: &At, found: &[Contact]) {
     for c in found {
         let half = 0.5 * c.gap * c.normal_W;
@@ -268,8 +271,9 @@ fn check(a: &At, b: &At, found: &[Contact]) {
         let errors = [
             a.distance(&on_a),
             b.distance(&on_b),
-            // Of an overlap the gap is that along the normal: a corner that has sunk in has nearer ways out. And of
-            // a point of one surface, the nearest of the other may have a nearer one in turn.
+            // Of an overlap the gap is that along the normal: a corner that has sunk in has nearer
+            // ways out. And of a point of one surface, the nearest of the other may have a nearer
+            // one in turn.
             match [b.distance(&on_a) - c.gap, a.distance(&on_b) - c.gap] {
                 _ if c.gap < 0.0 => 0.0,
                 [x, y] if x.abs() < y.abs() => x,
@@ -287,7 +291,8 @@ fn check(a: &At, b: &At, found: &[Contact]) {
     }
 }
 
-/// A box stands on a mesh whose vertices lie exactly below its edges: nothing holds it from the side.
+/// A box stands on a mesh whose vertices lie exactly below its edges: nothing holds it from the
+/// side.
 #[test]
 fn vertices_under_the_edges_of_a_box_hold_it_from_below_only() {
     let mut random = Noise::seeded(31);

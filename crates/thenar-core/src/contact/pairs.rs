@@ -14,9 +14,9 @@ pub(crate) struct PairTable {
 
 impl PairTable {
     /// Reads joints, couplings and pair rules. Excluded: bodies joined directly; flesh and the
-    /// bones that carry it; the bones of one finger among themselves, and all bones of flesh that does
-    /// not touch itself; rules without friction. A rule for the flesh of a hand holds for its bones too, unless
-    /// another names the bone.
+    /// bones that carry it; the bones of one finger among themselves, and all bones of flesh that
+    /// does not touch itself; rules without friction. A rule for the flesh of a hand holds for its
+    /// bones too, unless another names the bone.
     pub fn new(desc: &WorldDesc) -> Self {
         let mut table =
             Self { rigids: desc.rigids.len() as u32, excluded: Vec::new(), overrides: Vec::new() };

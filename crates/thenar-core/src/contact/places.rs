@@ -1,10 +1,11 @@
 //! Places of a soft surface that follow a round part, from step to step.
 //!
-//! The place where a flat triangle is nearest to a ball of radius R moves by `R θ` when the triangle tilts by θ. A
-//! contact pushes at the place of the step's start. Where the load F that it bears there turns the triangle by more
-//! than the place went, `R F` above its stiffness against tilting, the place leaps to and fro for ever, farther each
-//! time. A place therefore goes a part of the way: less where it turns back, the whole way where it goes on. (One
-//! learning rate per unknown, by the sign of its changes [Jacobs 1988, Riedmiller and Braun 1993].)
+//! The place where a flat triangle is nearest to a ball of radius R moves by `R θ` when the
+//! triangle tilts by θ. A contact pushes at the place of the step's start. Where the load F that it
+//! bears there turns the triangle by more than the place went, `R F` above its stiffness against
+//! tilting, the place leaps to and fro for ever, farther each time. A place therefore goes a part
+//! of the way: less where it turns back, the whole way where it goes on. (One learning rate per
+//! unknown, by the sign of its changes [Jacobs 1988, Riedmiller and Braun 1993].)
 
 use crate::contact::Shape;
 use crate::contact::area::TOUCHING;
@@ -12,32 +13,37 @@ use crate::contact::blunt::has_edges;
 use crate::math::Vec3;
 use crate::room::Room;
 
-/// The part of the way that a new place goes at first, and the least: what 20 turns back leave of it.
+/// The part of the way that a new place goes at first, and the least: what 20 turns back leave of
+/// it.
 const START: f64 = 0.5;
 const LEAST: f64 = 1e-6;
-/// The part grows and shrinks by these where the place turns back, and where it goes on (Riedmiller and Braun's).
+/// The part grows and shrinks by these where the place turns back, and where it goes on (Riedmiller
+/// and Braun's).
 const TURNED_BACK: f64 = 0.5;
 const WENT_ON: f64 = 1.2;
-/// A place lags behind the nearest one by no more than makes it so much farther from the part, in lengths of the edge: a tenth
-/// of what gaps are good for.
+/// A place lags behind the nearest one by no more than makes it so much farther from the part, in
+/// lengths of the edge: a tenth of what gaps are good for.
 const BEHIND: f64 = 1e-3;
 /// Rounds in which a lag is made short enough.
 const ROUNDS: usize = 4;
 
-/// A part with a radius of this many edges is flat there: the nearest place goes as far for each radian that the
-/// triangle tilts.
+/// A part with a radius of this many edges is flat there: the nearest place goes as far for each
+/// radian that the triangle tilts.
 const FLAT: f64 = 0.5;
 
-/// Around a place the part bulges by at most this where it is held \[m\]: a twentieth of what counts as touching.
+/// Around a place the part bulges by at most this where it is held \[m\]: a twentieth of what
+/// counts as touching.
 const BULGE: f64 = 0.05 * TOUCHING;
 
-/// How far from a place that follows, of a triangle whose longest edge is `edge`, it is held \[m\], in up to three
-/// directions; `None` where it is held alone. At one point friction does not resist a spin about the normal: a ball that
-/// two triangles pinch swings to and fro about the line between them. At three it resists with `μ F` times this distance,
-/// and a roll with at most F times it, 1 % of the radius of a ball of 40 mm. Where several triangles bear the part, they hold
-/// it so. One bears it alone where what touches, a disc of radius √(2 R [`TOUCHING`]), lies within the circle
-/// inscribed in it. In a circle 2.5 times as large, of radius edge/√12 in an equilateral triangle, it does at a third of all places.
-/// What has edges is held at several places along its side, and points past an edge would meet its end.
+/// How far from a place that follows, of a triangle whose longest edge is `edge`, it is held \[m\],
+/// in up to three directions; `None` where it is held alone. At one point friction does not resist
+/// a spin about the normal: a ball that two triangles pinch swings to and fro about the line
+/// between them. At three it resists with `μ F` times this distance, and a roll with at most F
+/// times it, 1 % of the radius of a ball of 40 mm. Where several triangles bear the part, they hold
+/// it so. One bears it alone where what touches, a disc of radius √(2 R [`TOUCHING`]), lies within
+/// the circle inscribed in it. In a circle 2.5 times as large, of radius edge/√12 in an equilateral
+/// triangle, it does at a third of all places. What has edges is held at several places along its
+/// side, and points past an edge would meet its end.
 pub(crate) fn spread(edge: f64, shape: &Shape) -> Option<f64> {
     let radius = shape.least_radius();
     let is_alone = !has_edges(shape) && edge * edge > 150.0 * radius * TOUCHING;
@@ -70,8 +76,8 @@ impl Hold {
     }
 }
 
-/// The least and the greatest radius of curvature \[m\]. Along its axis a capsule is held at both ends of what lies
-/// over a triangle, so that its flatness there does not count.
+/// The least and the greatest radius of curvature \[m\]. Along its axis a capsule is held at both
+/// ends of what lies over a triangle, so that its flatness there does not count.
 fn radii(shape: &Shape) -> [f64; 2] {
     let least = shape.least_radius();
     match shape {
@@ -117,8 +123,8 @@ impl HeldPlace {
         Self { key, weights, way: [0.0; 3], part: START }
     }
 
-    /// True when the held place lies where `nearest` does, inside or on that edge. A state that was read back may
-    /// hold anything.
+    /// True when the held place lies where `nearest` does, inside or on that edge. A state that was
+    /// read back may hold anything.
     fn is_like(&self, nearest: &[f64; 3]) -> bool {
         let sum: f64 = self.weights.iter().sum();
         let within = |w: &f64| (0.0..=1.0).contains(w);
@@ -137,8 +143,9 @@ impl HeldPlace {
         self.numbers().all(f64::is_finite)
     }
 
-    /// Goes on to the place `nearest` of triangle `x`, or a part of the way. `farther` tells how much farther from the part
-    /// than this a place is, and `edge` is the length of the triangle's edges \[m\].
+    /// Goes on to the place `nearest` of triangle `x`, or a part of the way. `farther` tells how
+    /// much farther from the part than this a place is, and `edge` is the length of the triangle's
+    /// edges \[m\].
     pub(crate) fn follow(
         &self,
         nearest: [f64; 3],
@@ -163,8 +170,8 @@ impl HeldPlace {
             if excess <= most {
                 break;
             }
-            // Near its least a distance grows with the square of the way; anywhere at least as fast as the way, if the part
-            // is convex.
+            // Near its least a distance grows with the square of the way; anywhere at least as fast
+            // as the way, if the part is convex.
             let less = most / excess;
             lag *= if round + 1 < ROUNDS { less.sqrt() } else { less };
             weights = behind(1.0 - lag);
@@ -196,8 +203,9 @@ mod tests {
         move |w| (at(w) - at(nearest)).norm().hypot(radius) - radius
     }
 
-    /// Held at p a triangle tilts so that its nearest place is `q - gain (p - q)`. With the whole way p - q grows by the
-    /// gain in each step; by parts it goes down until it is round-off, whatever the gain.
+    /// Held at p a triangle tilts so that its nearest place is `q - gain (p - q)`. With the whole
+    /// way p - q grows by the gain in each step; by parts it goes down until it is round-off,
+    /// whatever the gain.
     #[test]
     fn a_place_that_leaps_to_and_fro_comes_to_rest() {
         let rest = [0.3, 0.4];
@@ -229,8 +237,8 @@ mod tests {
         }
     }
 
-    /// However far a place leaps and however small its part, it is never farther from the ball than the nearest by more
-    /// than a thousandth of the edge: 10 µm.
+    /// However far a place leaps and however small its part, it is never farther from the ball than
+    /// the nearest by more than a thousandth of the edge: 10 µm.
     #[test]
     fn a_place_does_not_stay_behind_what_comes_near() {
         for radius in [1e-3, 0.01, 1.0] {
@@ -268,7 +276,8 @@ mod tests {
     #[test]
     fn what_lies_within_one_triangle_is_spread() {
         let ball = Shape::Sphere { radius: 0.02 };
-        // The part that touches is 0.89 mm in radius: 2.5 times as wide is the circle in a triangle of 7.7 mm.
+        // The part that touches is 0.89 mm in radius: 2.5 times as wide is the circle in a triangle
+        // of 7.7 mm.
         assert_eq!(spread(7.7e-3, &ball), None);
         assert_eq!(spread(0.02, &Shape::Cylinder { radius: 0.03, half_length: 0.02 }), None);
         let found = spread(7.8e-3, &ball).unwrap();

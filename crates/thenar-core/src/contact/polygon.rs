@@ -2,8 +2,8 @@
 
 use crate::math::Vec3;
 
-/// A corner of the clipped face. `edge` names the line to the next corner: below the polygon's number of edges an edge of
-/// the face itself, from there on a side that clipped it.
+/// A corner of the clipped face. `edge` names the line to the next corner: below the polygon's
+/// number of edges an edge of the face itself, from there on a side that clipped it.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Corner {
     pub p: Vec3,
@@ -11,11 +11,13 @@ pub(super) struct Corner {
     pub edge: u32,
 }
 
-/// A polygon of at most `CORNERS` corners, whose face has at most `EDGES` edges: each side adds at most one corner.
+/// A polygon of at most `CORNERS` corners, whose face has at most `EDGES` edges: each side adds at
+/// most one corner.
 pub(super) struct Polygon<const CORNERS: usize, const EDGES: u32> {
     corners: [Corner; CORNERS],
     count: usize,
-    /// Corners nearer than this are one: a segment is cut on its way there and back \[m\]. Without it all count.
+    /// Corners nearer than this are one: a segment is cut on its way there and back \[m\]. Without
+    /// it all count.
     same: Option<f64>,
 }
 
@@ -68,7 +70,8 @@ impl<const CORNERS: usize, const EDGES: u32> Polygon<CORNERS, EDGES> {
 mod tests {
     use super::*;
 
-    /// A square of 2 m cut along its diagonal keeps two corners and gains none, cut beside it gains two.
+    /// A square of 2 m cut along its diagonal keeps two corners and gains none, cut beside it gains
+    /// two.
     #[test]
     fn a_cut_square_keeps_what_is_within() {
         let mut square = Polygon::<12, 4>::empty(None);

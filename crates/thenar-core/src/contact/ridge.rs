@@ -12,14 +12,16 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::Feature;
 use crate::math::Vec3;
 
-/// Square of the sine below which two edges count as parallel: the normal of their crossing then has lost half of
-/// its digits. Every other crossing counts, however near to an end, for where one edge hands over to the next on
-/// another body's ridge, a gap between them is a place at which nothing holds.
+/// Square of the sine below which two edges count as parallel: the normal of their crossing then
+/// has lost half of its digits. Every other crossing counts, however near to an end, for where one
+/// edge hands over to the next on another body's ridge, a gap between them is a place at which
+/// nothing holds.
 pub(crate) const PARALLEL: f64 = f64::EPSILON;
-/// A face that reaches less far from its edge has no area, and no direction \[m\]: round-off leaves as much of places
-/// ten kilometres away.
+/// A face that reaches less far from its edge has no area, and no direction \[m\]: round-off leaves
+/// as much of places ten kilometres away.
 const AREALESS: f64 = 1e-12;
-/// A face level to this (sine) lies as near to a plane as a gap is known: to a hundredth of an edge.
+/// A face level to this (sine) lies as near to a plane as a gap is known: to a hundredth of an
+/// edge.
 const LEVEL: f64 = 0.01;
 
 /// How the two faces of an edge lie.
@@ -53,8 +55,8 @@ impl Ridge {
         Some(Self { outward, falls })
     }
 
-    /// Edge `k` of a triangle where the other edge may touch the triangle's own face only: the face across falls
-    /// straight down, wherever it is.
+    /// Edge `k` of a triangle where the other edge may touch the triangle's own face only: the face
+    /// across falls straight down, wherever it is.
     pub fn rim(surface: &Surface, triangle: u32, k: usize, x: &[Vec3]) -> Option<Self> {
         let t = surface.triangles[triangle as usize];
         let outward = surface.pseudonormal(triangle, Feature::Face, x);
@@ -62,8 +64,8 @@ impl Ridge {
         Some(Self { outward, falls: [own, -outward] })
     }
 
-    /// How the faces lie to a plane with this outward normal: the sine at which the steeper-falling one falls
-    /// away below it, and that at which the steeper-rising one rises above.
+    /// How the faces lie to a plane with this outward normal: the sine at which the steeper-falling
+    /// one falls away below it, and that at which the steeper-rising one rises above.
     fn fall_and_rise(&self, outward: &Vec3) -> [f64; 2] {
         let [one, other] = self.falls.map(|fall| fall.dot(outward));
         [-one.min(other), one.max(other)]
@@ -87,7 +89,8 @@ pub(crate) struct Passing {
     offset: f64,
 }
 
-/// The passing of two edges, given their ends; `None` where it lies beyond an end, or farther apart than `within`.
+/// The passing of two edges, given their ends; `None` where it lies beyond an end, or farther apart
+/// than `within`.
 pub(crate) fn passing(a: &[Vec3; 2], b: &[Vec3; 2], within: f64) -> Option<Passing> {
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     // By its square from products of lengths all digits would be gone where half are here.
@@ -115,7 +118,8 @@ pub(crate) fn crossing(passing: &Passing, a: &Ridge, b: &Ridge) -> Option<Crossi
     }
     let [fall_a, rise_a] = a.fall_and_rise(&-normal);
     let [fall_b, rise_b] = b.fall_and_rise(&normal);
-    // Beside an edge that rises the bodies are nearer than at the crossing; plains meet at their vertices.
+    // Beside an edge that rises the bodies are nearer than at the crossing; plains meet at their
+    // vertices.
     let holds = rise_a.max(rise_b) < LEVEL && fall_a.max(fall_b) > LEVEL;
     holds.then_some(Crossing { at, normal, gap })
 }
@@ -158,7 +162,8 @@ mod tests {
         }
     }
 
-    /// Beside an edge that rises by a sine `r` the other surface is nearer by up to `r` times its size.
+    /// Beside an edge that rises by a sine `r` the other surface is nearer by up to `r` times its
+    /// size.
     #[test]
     fn plains_and_valleys_do_not_hold_each_other() {
         let above = |slope| roof(Vec3::y() * 1e-3, Vec3::z(), -Vec3::y(), slope);
@@ -170,8 +175,8 @@ mod tests {
         assert!(!meet(0.2, -0.011) && !meet(0.2, -0.8), "a ridge does not reach into a valley");
     }
 
-    /// Where flat boxes cross, the rims bear that are level on the inner side; plains that are only tilted
-    /// against the way past each other do not.
+    /// Where flat boxes cross, the rims bear that are level on the inner side; plains that are only
+    /// tilted against the way past each other do not.
     #[test]
     fn rims_of_flat_faces_hold_each_other() {
         let edge = |up: Vec3, along: Vec3, falls: [f64; 2], at: Vec3| {
@@ -201,8 +206,8 @@ mod tests {
         }
     }
 
-    /// A ridge that moves over a surface is held by one of two edges that share an end at every place, up to the end
-    /// itself, however obliquely they cross.
+    /// A ridge that moves over a surface is held by one of two edges that share an end at every
+    /// place, up to the end itself, however obliquely they cross.
     #[test]
     fn edges_hand_over_to_each_other_without_a_gap() {
         for turn in [1.0_f64, 0.1, 1e-3, 1e-6] {

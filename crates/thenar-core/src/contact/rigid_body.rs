@@ -175,7 +175,8 @@ impl Placed {
         self.velocity + self.angular_velocity.cross(&(p_W - self.center_of_mass))
     }
 
-    /// True when the shape can come within `margin` \[m\] of something inside `swept_W` in a step of `h` \[s\].
+    /// True when the shape can come within `margin` \[m\] of something inside `swept_W` in a step
+    /// of `h` \[s\].
     pub fn may_touch(&self, shape: &Shape, swept_W: &Aabb, margin: f64, h: f64) -> bool {
         if swept_W.is_empty() {
             return false;

@@ -48,8 +48,8 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
     manifold.reduce();
 }
 
-/// Leaves out points from `first` on inside another piece of a body, or nearer to another piece than to
-/// their own, after the part `s` of the step.
+/// Leaves out points from `first` on inside another piece of a body, or nearer to another piece
+/// than to their own, after the part `s` of the step.
 fn drop_buried(
     a: &MovingPiece,
     b: &MovingPiece,
@@ -102,7 +102,8 @@ fn convex(a: &MovingPiece, b: &MovingPiece, reach: Reach, manifold: &mut Manifol
     let first = manifold.points().len();
     let (solid_a, solid_b) = (a.at(s, reach.h), b.at(s, reach.h));
     let travel = a.travel(b, reach.h);
-    // Places away from that of the meeting are told by it only if neither body turns off its tangent.
+    // Places away from that of the meeting are told by it only if neither body turns off its
+    // tangent.
     let straight = [a, b].iter().all(|m| !m.leaves_tangent(reach));
     let far = if travel > reach.margin && straight { reach.margin + travel } else { reach.margin };
     convex_pair::find(&solid_a, &solid_b, reach.margin, far, manifold);
@@ -112,9 +113,9 @@ fn convex(a: &MovingPiece, b: &MovingPiece, reach: Reach, manifold: &mut Manifol
     }
 }
 
-/// Turns a contact found after the part `s` of the step into one for the solver, whose constraint on
-/// velocities is to hold at the end of the step: a body that is led, and its normal with it (by at
-/// most 60°), is looked at where it turns to; one that moves by forces moves straight on, as its
+/// Turns a contact found after the part `s` of the step into one for the solver, whose constraint
+/// on velocities is to hold at the end of the step: a body that is led, and its normal with it (by
+/// at most 60°), is looked at where it turns to; one that moves by forces moves straight on, as its
 /// constraint does. In pure translation that adds to the gap what the way closes.
 fn carry(a: &MovingPiece, b: &MovingPiece, s: f64, h: f64, p: &mut ManifoldPoint) {
     let half = 0.5 * p.gap * p.normal_W;

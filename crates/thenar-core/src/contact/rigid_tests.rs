@@ -254,8 +254,8 @@ fn meshes_rest_like_the_shape_they_are() {
     }
 }
 
-/// Flat faces a few nanometres over level triangles are held upright wherever their edges cross those of triangles: places
-/// are found to less than that.
+/// Flat faces a few nanometres over level triangles are held upright wherever their edges cross
+/// those of triangles: places are found to less than that.
 #[test]
 fn what_stands_on_triangles_is_held_upright() {
     let half = 0.03;
@@ -316,8 +316,9 @@ fn fast_rigid_bodies_are_announced() {
     }
 }
 
-/// A capsule thrown at a plate, standing as it likes: both its ends are announced, each with its height over the
-/// plate, at a lever through the middle of its ball; an end left out would turn through the plate.
+/// A capsule thrown at a plate, standing as it likes: both its ends are announced, each with its
+/// height over the plate, at a lever through the middle of its ball; an end left out would turn
+/// through the plate.
 #[test]
 fn both_ends_of_a_thrown_capsule_are_announced() {
     let mut random = Noise::seeded(31);

@@ -1,21 +1,23 @@
 //! The round side of a capsule, cylinder or cone over another convex shape.
 //!
-//! A ball sweeps such a side: its centre goes along the axis, its radius changes evenly. From the centre the way to the
-//! other shape is known well, also where the surfaces touch or overlap, and it leads to the point of the side that is
-//! nearest there: two cylinders that cross at a small angle are nearly as close at the ends of their common length as
-//! where they cross.
+//! A ball sweeps such a side: its centre goes along the axis, its radius changes evenly. From the
+//! centre the way to the other shape is known well, also where the surfaces touch or overlap, and
+//! it leads to the point of the side that is nearest there: two cylinders that cross at a small
+//! angle are nearly as close at the ends of their common length as where they cross.
 
 use crate::contact::Shape;
 use crate::contact::support::Solid;
 use crate::math::{Vec3, tangents};
 
-/// The distance from a point of the side counts where the way from there is that from the axis (cosine of 1.4 mrad): from a point
-/// that touches an edge or an end, round-off turns it by more.
+/// The distance from a point of the side counts where the way from there is that from the axis
+/// (cosine of 1.4 mrad): from a point that touches an edge or an end, round-off turns it by more.
 const SAME_WAY: f64 = 1.0 - 1e-6;
-/// The foot of a point lies on the other shape, and nothing of it is nearer, but for these parts of the gap and of the radius.
+/// The foot of a point lies on the other shape, and nothing of it is nearer, but for these parts of
+/// the gap and of the radius.
 const FOOT: [f64; 2] = [1e-3, 1e-4];
 
-/// The balls at the two ends of the side, in the order of the corners of the side's [`Face`](crate::contact::support::Face).
+/// The balls at the two ends of the side, in the order of the corners of the side's
+/// [`Face`](crate::contact::support::Face).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoundSide {
     centers_W: [Vec3; 2],
@@ -72,8 +74,9 @@ impl RoundSide {
         self.radii[0].max(self.radii[1])
     }
 
-    /// The point nearest to `other` at the part `s` of the way from the first end to the second. `None` where the axis is inside
-    /// `other`, and where the point is, too, and nothing of `other` lies straight above it.
+    /// The point nearest to `other` at the part `s` of the way from the first end to the second.
+    /// `None` where the axis is inside `other`, and where the point is, too, and nothing of `other`
+    /// lies straight above it.
     pub fn over(&self, other: &Solid, s: f64) -> Option<Over> {
         let center = self.centers_W[0].lerp(&self.centers_W[1], s);
         let radius = self.radii[0] + s * (self.radii[1] - self.radii[0]);
@@ -120,8 +123,8 @@ mod tests {
         Solid { shape, rotation: turn.to_rotation_matrix().into_inner(), origin }
     }
 
-    /// The point lies on the side, as far from the other shape as the distance found, and no point of its circle is
-    /// nearer by more than a few degrees between the two make.
+    /// The point lies on the side, as far from the other shape as the distance found, and no point
+    /// of its circle is nearer by more than a few degrees between the two make.
     #[test]
     fn no_point_of_the_circle_is_nearer() {
         let sides = [
@@ -153,7 +156,8 @@ mod tests {
             let told = b.distance(&over.on_side_W).value;
             let seen = b.distance(&side.centers_W[0].lerp(&side.centers_W[1], s)).gradient;
             let askew = (seen + side.outward(-seen, s)).norm();
-            // Where it is inside there may be other ways out; beside a thin tip a small angle is much.
+            // Where it is inside there may be other ways out; beside a thin tip a small angle is
+            // much.
             if told < 0.0 || askew > 0.1 || matches!(other, Shape::Cone { .. }) {
                 continue;
             }
@@ -172,8 +176,8 @@ mod tests {
         assert!(tested > 1000, "{tested}");
     }
 
-    /// Round sides of equal and other lengths and radii that overlap, level or askew: from the distance between an axis and
-    /// a point of the other, less both radii, and never missing.
+    /// Round sides of equal and other lengths and radii that overlap, level or askew: from the
+    /// distance between an axis and a point of the other, less both radii, and never missing.
     #[test]
     fn ends_that_overlap_are_found() {
         let turned = |axis: Vec3, angle: f64| Quat::from_scaled_axis(axis * angle);
@@ -194,7 +198,8 @@ mod tests {
                             let over = side.over(&b, s).unwrap_or_else(|| {
                                 panic!("{radius} {other} {longer} {depth} {pitch} {yaw} {s}")
                             });
-                            // What a ball is off where a circle sweeps is less than half the square of the angle.
+                            // What a ball is off where a circle sweeps is less than half the square
+                            // of the angle.
                             let off = (over.gap - expected).abs();
                             assert!(off < 1e-6 + 5e-3 * expected.abs(), "{over:?} {expected}");
                         }

@@ -9,9 +9,9 @@ use crate::math::{Quat, Vec3};
 /// Edge of the cubes \[m\].
 const SIZE: f64 = 0.04;
 
-/// Cubes of `cells` cells that lie in one place but for a turn and then `off`. Put there, they leave by the length of
-/// a cube; where the vertices outside of `touched` cubes did before, they are a seam, and nothing goes farther than
-/// they are inside. The deepest gap \[m\].
+/// Cubes of `cells` cells that lie in one place but for a turn and then `off`. Put there, they
+/// leave by the length of a cube; where the vertices outside of `touched` cubes did before, they
+/// are a seam, and nothing goes farther than they are inside. The deepest gap \[m\].
 fn deepest(cells: u32, (turn, off): (Quat, Vec3), touched: &[usize]) -> f64 {
     let mut scene = Scene::new();
     let places = [(Quat::identity(), Vec3::zeros()), (turn, off)];
@@ -58,7 +58,8 @@ fn what_touched_before_is_not_led_through_the_other_along_a_seam() {
     }
 }
 
-/// Cubes that stand in each other turned, one higher by `up`: edges go through, and no vertex is inside.
+/// Cubes that stand in each other turned, one higher by `up`: edges go through, and no vertex is
+/// inside.
 #[test]
 fn edges_whose_ends_touched_before_are_not_led_through_the_other() {
     for (degrees, up) in [(45.0_f64, 5e-4), (45.0, 2e-3), (40.0, 1e-3), (52.0, 1e-3)] {

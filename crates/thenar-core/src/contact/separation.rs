@@ -9,27 +9,32 @@ use crate::contact::support::{Solid, inradius, rounding};
 use crate::contact::triangle::closest_on_triangle;
 use crate::math::Vec3;
 
-/// Most passes of one search, each with one new corner. Where they end early, what is found are points of the two
-/// shapes, whose distance is greater than the least. Tests of rigid pairs hold with 30, too.
+/// Most passes of one search, each with one new corner. Where they end early, what is found are
+/// points of the two shapes, whose distance is greater than the least. Tests of rigid pairs hold
+/// with 30, too.
 const ITERATIONS_MAX: usize = 100;
-/// The squared distance found is at most this part above the true one: some fifty roundings. The direction is then good
-/// to the root of it, 1e-7.
+/// The squared distance found is at most this part above the true one: some fifty roundings. The
+/// direction is then good to the root of it, 1e-7.
 const TOLERANCE: f64 = 1e-14;
-/// Sharp shapes nearer than this part of their inradius are asked by their cores: the direction between two points
-/// loses digits as these come nearer, and with a thousandth of the size between them has lost three of sixteen. Tests
-/// of rigid pairs hold with 1e-5, too; with 0.05 gaps are wrong.
+/// Sharp shapes nearer than this part of their inradius are asked by their cores: the direction
+/// between two points loses digits as these come nearer, and with a thousandth of the size between
+/// them has lost three of sixteen. Tests of rigid pairs hold with 1e-5, too; with 0.05 gaps are
+/// wrong.
 pub(crate) const TOUCHING: f64 = 1e-3;
-/// How far cores are moved inward, as parts of the inradius: little, so that the direction is that of
-/// the shapes; more, when shapes overlap by as much. Each holds for overlaps up to twice as deep (of shapes of
-/// one size), and even the last leaves a core; what lies deeper is let out the shortest way for its middle.
+/// How far cores are moved inward, as parts of the inradius: little, so that the direction is that
+/// of the shapes; more, when shapes overlap by as much. Each holds for overlaps up to twice as deep
+/// (of shapes of one size), and even the last leaves a core; what lies deeper is let out the
+/// shortest way for its middle.
 const INWARD: [f64; 4] = [0.02, 0.1, 0.4, 0.9];
-/// A face's direction counts only if the gap along it is larger by this part of the size: ten times what a direction is
-/// good for, so that round-off does not choose.
+/// A face's direction counts only if the gap along it is larger by this part of the size: ten times
+/// what a direction is good for, so that round-off does not choose.
 const FACE_BETTER: f64 = 1e-6;
-/// Times that shapes are drawn apart along the way found before, at most. Overlaps of 0.5 mm of shapes of 2 cm then lie on
-/// both surfaces to 10 µm, but for a corner on a cone; with two, to 0.1 mm.
+/// Times that shapes are drawn apart along the way found before, at most. Overlaps of 0.5 mm of
+/// shapes of 2 cm then lie on both surfaces to 10 µm, but for a corner on a cone; with two, to 0.1
+/// mm.
 const DRAWN: usize = 4;
-/// Round-off of a gap, as a part of the size: positions that are a million sizes away still keep as many digits.
+/// Round-off of a gap, as a part of the size: positions that are a million sizes away still keep as
+/// many digits.
 const ROUND_OFF: f64 = 1e-9;
 
 /// Two shapes.
@@ -103,8 +108,8 @@ fn past_faces(a: &Solid, b: &Solid, found: Separation, size: f64) -> Separation 
     best
 }
 
-/// Separation of a pair, found where A is moved out along the rough normal until the two are just apart, as nearest
-/// points are exact there, and moved back again.
+/// Separation of a pair, found where A is moved out along the rough normal until the two are just
+/// apart, as nearest points are exact there, and moved back again.
 fn drawn_apart(a: &Solid, b: &Solid, rough: &Separation, size: f64) -> Option<Separation> {
     let rounds = [rounding(a.shape), rounding(b.shape)];
     let way = (2.0 * TOUCHING * size - rough.gap) * rough.normal;
@@ -254,8 +259,8 @@ mod tests {
     use crate::math::{Mat3, Quat};
     use crate::noise::Noise;
 
-    /// Capsules and boxes in a plate of 4 m by 2 mm: the way out is through its face, as deep as the
-    /// lowest of their own points tells.
+    /// Capsules and boxes in a plate of 4 m by 2 mm: the way out is through its face, as deep as
+    /// the lowest of their own points tells.
     #[test]
     fn what_sinks_into_a_wide_thin_plate_is_let_out_by_its_face() {
         let mut random = Noise::seeded(12);

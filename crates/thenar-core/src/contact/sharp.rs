@@ -1,8 +1,9 @@
 //! The sharp parts of a rigid shape: corners, straight edges, and points spread over edges.
 //!
-//! Vertices of a soft surface meet the faces of a shape; what is sharp comes in between them. Corners, and points of
-//! rims, are tried against the triangles of the surface, straight edges against its edges. The points are fixed on the
-//! shape, so that none comes or goes while things slide. What is round is kept beside them.
+//! Vertices of a soft surface meet the faces of a shape; what is sharp comes in between them.
+//! Corners, and points of rims, are tried against the triangles of the surface, straight edges
+//! against its edges. The points are fixed on the shape, so that none comes or goes while things
+//! slide. What is round is kept beside them.
 
 use crate::contact::features::{corners, edges, rim, rim_points};
 use crate::contact::sharp_blocks::Blocks;
@@ -109,7 +110,8 @@ impl Found {
         }
     }
 
-    /// Adds points within an edge between two faces, and the edge if there are any: of a shorter one the ends say enough.
+    /// Adds points within an edge between two faces, and the edge if there are any: of a shorter
+    /// one the ends say enough.
     fn edge(&mut self, ends: [Vec3; 2], normals: [Vec3; 2], pose_SP: &Pose, spacing: f64) {
         let Some(edge) = Edge::between(ends, normals) else {
             return spread(&ends, spacing, &mut self.points);
@@ -129,8 +131,8 @@ fn faces_beside(ends: &[Vec3; 2]) -> [Vec3; 2] {
     [(along + 1) % 3, (along + 2) % 3].map(|k| Vec3::ith(k, middle[k].signum()))
 }
 
-/// Leaves out points from `first` on that lie within `apart` \[m\] (along each axis, twice that at most)
-/// of an earlier one: a soft surface does not tell them apart.
+/// Leaves out points from `first` on that lie within `apart` \[m\] (along each axis, twice that at
+/// most) of an earlier one: a soft surface does not tell them apart.
 fn thin(points: &mut Vec<Vec3>, first: usize, apart: f64) {
     if !apart.is_finite() || apart <= 0.0 {
         return;

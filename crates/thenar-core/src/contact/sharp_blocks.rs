@@ -43,7 +43,8 @@ impl Blocks {
     }
 }
 
-/// The space over and under a triangle: all beyond it is farther from the triangle than from the planes that bound it.
+/// The space over and under a triangle: all beyond it is farther from the triangle than from the
+/// planes that bound it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prism {
     /// Place and unit normal of the triangle's plane.
@@ -55,8 +56,8 @@ pub(super) struct Prism {
     rounding: f64,
 }
 
-/// Rounding of distances, in parts of a triangle's lengths: far more than round-off of coordinates of some thousand
-/// edges, and nothing beside a gap.
+/// Rounding of distances, in parts of a triangle's lengths: far more than round-off of coordinates
+/// of some thousand edges, and nothing beside a gap.
 const ROUNDING: f64 = 1e-9;
 
 impl Prism {
@@ -71,8 +72,9 @@ impl Prism {
         Self { base: x[0], normal: *normal, sides: [side(0), side(1), side(2)], rounding }
     }
 
-    /// True when the triangle may come within `margin` \[m\] of `p` when its corners move by `motions` \[m\]: it
-    /// stays behind each plane of the prism, moved as far as the corner that goes farthest that way.
+    /// True when the triangle may come within `margin` \[m\] of `p` when its corners move by
+    /// `motions` \[m\]: it stays behind each plane of the prism, moved as far as the corner that
+    /// goes farthest that way.
     pub fn may_come(&self, p: &Vec3, motions: &[Vec3; 3], margin: f64) -> bool {
         let goes = |n: &Vec3| motions.iter().map(|u| n.dot(u)).fold(0.0, f64::max);
         let height = self.normal.dot(&(p - self.base));
@@ -116,7 +118,8 @@ mod tests {
     use crate::contact::triangle::{area_vector, closest_on_triangle};
     use crate::noise::Noise;
 
-    /// Distances are not below the bound, and over the triangle and beside its edges they are just that.
+    /// Distances are not below the bound, and over the triangle and beside its edges they are just
+    /// that.
     #[test]
     fn no_point_is_nearer_than_told() {
         let mut random = Noise::seeded(8);

@@ -34,7 +34,8 @@ impl SeenSide {
 pub struct SeenSides {
     /// Sorted by vertex, then body, once the search is over.
     seen: Room<SeenSide>,
-    /// Places that follow round parts. What writes a state down keeps them apart: they came last to it.
+    /// Places that follow round parts. What writes a state down keeps them apart: they came last to
+    /// it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) places: Places,
     /// No more are kept; a state that was read back holds what it holds.
@@ -126,7 +127,8 @@ impl Sight<'_> {
         }
     }
 
-    /// Where a place of a triangle is held whose `nearest` is this. What only looks takes the nearest.
+    /// Where a place of a triangle is held whose `nearest` is this. What only looks takes the
+    /// nearest.
     pub fn hold(
         &mut self,
         key: PlaceKey,

@@ -1,14 +1,14 @@
 //! Normals of a soft surface without jumps from face to face.
 //!
-//! A surface of flesh is smooth; its triangles are how it is stored. A rigid corner that slides over
-//! it feels the normal interpolated between the vertices (Phong 1975), which turns evenly, not that of
-//! each face in turn. Edges that are sharp at rest, as those of a block, stay sharp.
+//! A surface of flesh is smooth; its triangles are how it is stored. A rigid corner that slides
+//! over it feels the normal interpolated between the vertices (Phong 1975), which turns evenly, not
+//! that of each face in turn. Edges that are sharp at rest, as those of a block, stay sharp.
 
 use crate::contact::triangle::area_vector;
 use crate::math::Vec3;
 
-/// Faces that turn by more than this at rest (cosine of 45°) meet at a sharp edge: nearer to the edge
-/// of a block than to a plane.
+/// Faces that turn by more than this at rest (cosine of 45°) meet at a sharp edge: nearer to the
+/// edge of a block than to a plane.
 const SHARP: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// For each corner of each triangle the triangles around it that belong to one smooth piece.
@@ -22,7 +22,8 @@ pub(crate) struct SmoothNormals {
 }
 
 impl SmoothNormals {
-    /// For triangles with their vertices at rest at `x`; `across(t, k)` is the triangle across edge k.
+    /// For triangles with their vertices at rest at `x`; `across(t, k)` is the triangle across edge
+    /// k.
     pub fn new(
         triangles: &[[u32; 3]],
         x: &[Vec3],

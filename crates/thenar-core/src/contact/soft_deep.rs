@@ -1,15 +1,15 @@
 //! Deformable surfaces that have got into each other: where they are entangled.
 //!
-//! In contact surfaces overlap by the solver's tolerance. A start that overlaps, or a step that could
-//! not be held, leaves parts deeper inside than the search near the surface looks. They are found
-//! from where the surfaces cut each other: an edge that pierces a triangle has an end inside, and from
-//! there the inside spreads along the edges of its own surface. What hangs together by triangles that
-//! cut each other is one *region*.
+//! In contact surfaces overlap by the solver's tolerance. A start that overlaps, or a step that
+//! could not be held, leaves parts deeper inside than the search near the surface looks. They are
+//! found from where the surfaces cut each other: an edge that pierces a triangle has an end inside,
+//! and from there the inside spreads along the edges of its own surface. What hangs together by
+//! triangles that cut each other is one *region*.
 //!
-//! A region that is pressed in has come through the faces nearest to it, against its own normals: each
-//! vertex goes back to its nearest place. Where bodies were put into each other, most vertices are nearest
-//! to a face that they never came through, as those of a side wall are to the wall beside it; such a region
-//! leaves as one, along one direction: see `soft_way`.
+//! A region that is pressed in has come through the faces nearest to it, against its own normals:
+//! each vertex goes back to its nearest place. Where bodies were put into each other, most vertices
+//! are nearest to a face that they never came through, as those of a side wall are to the wall
+//! beside it; such a region leaves as one, along one direction: see `soft_way`.
 //!
 //! ```text
 //!      ┌────────┐          ○ vertices inside, × places where an edge goes through a face: by both is
@@ -31,13 +31,15 @@ use std::ops::Range;
 
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What touched before does not leave as one by a way this much longer than its deepest vertex is inside: that would be
-/// a needle, in farther than three times its width; it is a seam, along which edges go through each other.
+/// What touched before does not leave as one by a way this much longer than its deepest vertex is
+/// inside: that would be a needle, in farther than three times its width; it is a seam, along which
+/// edges go through each other.
 const SLENDER: f64 = 6.0;
 
-/// A vertex has come through its nearest face if the way back goes against its normal within 60° (cosine). At an even
-/// corner of a cube the mean normal stands at 54.7° to those of its faces, and counts; that of a wall stands at 90° to
-/// the way in along the wall, and does not. Unit tests hold from 0.2 to 0.8.
+/// A vertex has come through its nearest face if the way back goes against its normal within 60°
+/// (cosine). At an even corner of a cube the mean normal stands at 54.7° to those of its faces, and
+/// counts; that of a wall stands at 90° to the way in along the wall, and does not. Unit tests hold
+/// from 0.2 to 0.8.
 const OPPOSED: f64 = 0.5;
 
 /// An edge of side `side` that goes through triangle `through` of the other.
@@ -192,8 +194,8 @@ impl SoftSoft<'_> {
         usize::from(self.apart.is_none())
     }
 
-    /// Notes where the edges of two triangles pierce the other one, over whose plane their corners have these heights
-    /// (`Facet::heights`).
+    /// Notes where the edges of two triangles pierce the other one, over whose plane their corners
+    /// have these heights (`Facet::heights`).
     pub(super) fn pierce(&self, [s, t]: [u32; 2], heights: &[[f64; 3]; 2], deep: &mut DeepScratch) {
         let [a, b] = [&self.a, &self.b];
         self.pierce_from((0, a, s), &heights[0], (b, t), deep);
@@ -274,8 +276,8 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Keeps, of one surface in itself, the places whose nearest face is cut: what lies inside a fold of its own part
-    /// is nearest to a face that nothing cuts, and that is no way back.
+    /// Keeps, of one surface in itself, the places whose nearest face is cut: what lies inside a
+    /// fold of its own part is nearest to a face that nothing cuts, and that is no way back.
     fn keep_entangled(&self, deep: &mut DeepScratch) {
         let DeepScratch { floods: [flood, _], pierces, places, .. } = deep;
         let entered = |t: u32| {
@@ -305,8 +307,9 @@ impl SoftSoft<'_> {
         Region { root, start: range.start, end: range.end, way, pressed, deep }
     }
 
-    /// True when places that would leave by a way belong to a seam: some touched before, and vertices are inside, but
-    /// none far. A region without a vertex inside is a seam if each of its edges has an end that touched before.
+    /// True when places that would leave by a way belong to a seam: some touched before, and
+    /// vertices are inside, but none far. A region without a vertex inside is a seam if each of its
+    /// edges has an end that touched before.
     fn is_seam(&self, places: &[Place], way: &Way, sight: &Sight) -> bool {
         let inside = |p: &Place| p.out.norm() / self.depth(self.facing(p.side)[1]);
         let deepest = places.iter().map(inside).fold(0.0, f64::max);
@@ -368,8 +371,8 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// The way of a vertex that has got in to the nearest place of the other surface, and this; `None`
-    /// outside.
+    /// The way of a vertex that has got in to the nearest place of the other surface, and this;
+    /// `None` outside.
     fn inside(&self, own: &SoftSide, other: &SoftSide, v: u32) -> Option<(Vec3, (u32, [f64; 3]))> {
         let p = own.state.positions[v as usize];
         let (t, nearest) = nearest_on(other, &p, f64::INFINITY, |t| !self.are_neighbors(v, t))?;

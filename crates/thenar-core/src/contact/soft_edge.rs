@@ -8,8 +8,9 @@
 //!    o--x----x---x--o
 //! ```
 //!
-//! Flesh is smooth, its triangles are how it is stored: at such a place the normal is that of the smooth surface. Where
-//! the surface has an edge of its own, as a block does, the two edges have one normal, square to both.
+//! Flesh is smooth, its triangles are how it is stored: at such a place the normal is that of the
+//! smooth surface. Where the surface has an edge of its own, as a block does, the two edges have
+//! one normal, square to both.
 
 use crate::contact::aabb::Aabb;
 use crate::contact::blunt::way_to;
@@ -41,7 +42,8 @@ pub(crate) struct Edges {
 }
 
 impl Edge {
-    /// `None` where the faces have one direction or opposite ones: the border of a sheet has no two sides.
+    /// `None` where the faces have one direction or opposite ones: the border of a sheet has no two
+    /// sides.
     pub fn between(ends: [Vec3; 2], [n, m]: [Vec3; 2]) -> Option<Self> {
         let fall = |own: Vec3, other: Vec3| (own * own.dot(&other) - other).try_normalize(FLAT);
         let ridge = Ridge { falls: [fall(n, m)?, fall(m, n)?], outward: n + m };
@@ -58,7 +60,8 @@ impl Edge {
         Self { ends: self.ends.map(|p| pose_SP.point(&p)), ridge }
     }
 
-    /// The unit vector that is nearest to `n` among the normals of planes that rest on the edge; others cut a face.
+    /// The unit vector that is nearest to `n` among the normals of planes that rest on the edge;
+    /// others cut a face.
     fn within_faces(&self, n: Vec3) -> Vec3 {
         let falls = self.ridge.falls.iter();
         falls.fold(n, |n, fall| n - fall * fall.dot(&n).max(0.0)).normalize()
@@ -128,8 +131,8 @@ impl SkinEdge<'_> {
         if other.1.distance_squared < own.1.distance_squared { other } else { own }
     }
 
-    /// True when a point `depth` \[m\] below the edge is nearer to no other triangle around its ends: so is every
-    /// point that is not deep.
+    /// True when a point `depth` \[m\] below the edge is nearer to no other triangle around its
+    /// ends: so is every point that is not deep.
     fn is_way_out(&self, pair: &SoftRigid, q: &Vec3, depth: f64) -> bool {
         let surface = pair.surface;
         let corners = surface.triangles[self.near.index as usize];
@@ -144,8 +147,9 @@ fn point_of(ends: &[Vec3; 2], at: f64) -> Vec3 {
     ends[0] + (ends[1] - ends[0]) * at
 }
 
-/// Contact of an edge with one within a smooth surface, where they cross as seen along the surface's normal there. Unlike the places at which
-/// two lines are nearest, such a place lies over the surface however nearly parallel they are.
+/// Contact of an edge with one within a smooth surface, where they cross as seen along the
+/// surface's normal there. Unlike the places at which two lines are nearest, such a place lies over
+/// the surface however nearly parallel they are.
 fn on_skin(pair: &SoftRigid, own: &SkinEdge, e: u32, reach: f64) -> Option<Touch> {
     let edge = &pair.body.sharp.edges.list[e as usize];
     let ([at, along], height) = seen_along(&own.up(pair), &own.ends, &edge.ends)?;
@@ -165,7 +169,8 @@ fn on_skin(pair: &SoftRigid, own: &SkinEdge, e: u32, reach: f64) -> Option<Touch
     touch(pair, own, e, (&p, &q), height, |way, gap| way_to(way, gap, &outward, length))
 }
 
-/// Parts of `a` and `b` at which the edges cross, and how far b lies above a there, seen along the unit vector `up`.
+/// Parts of `a` and `b` at which the edges cross, and how far b lies above a there, seen along the
+/// unit vector `up`.
 fn seen_along(up: &Vec3, a: &[Vec3; 2], b: &[Vec3; 2]) -> Option<([f64; 2], f64)> {
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
     let across = u.cross(&v);
@@ -190,8 +195,9 @@ fn on_crease(pair: &SoftRigid, own: &SkinEdge, e: u32, reach: f64) -> Option<Tou
     touch(pair, own, e, (&p, &q), found.gap, |_, _| found.normal)
 }
 
-/// Place `p` of the surface's edge touches place `q` on edge `e` of the shape, unless that has not come in there: `height` tells by its
-/// sign on which side of the surface q lies, `normal` gives the direction for a way to the surface and a gap.
+/// Place `p` of the surface's edge touches place `q` on edge `e` of the shape, unless that has not
+/// come in there: `height` tells by its sign on which side of the surface q lies, `normal` gives
+/// the direction for a way to the surface and a gap.
 fn touch(
     pair: &SoftRigid,
     own: &SkinEdge,
@@ -242,8 +248,9 @@ mod tests {
         scene.find(1e-3)
     }
 
-    /// The lower edge of a box that stands on it, over the cushion: gap and direction of what is nearest to touching go
-    /// along with it, wherever the edge lies beside the vertices, and however it lies to the edges of the surface.
+    /// The lower edge of a box that stands on it, over the cushion: gap and direction of what is
+    /// nearest to touching go along with it, wherever the edge lies beside the vertices, and
+    /// however it lies to the edges of the surface.
     #[test]
     fn an_edge_goes_over_a_cushion_without_jumps() {
         let bar = Shape::Cuboid { half: Vec3::new(0.05, 0.005, 0.005) };
@@ -276,8 +283,8 @@ mod tests {
         }
     }
 
-    /// Only the ends and the crossings of an edge between the corners of a large triangle touch, and each crossing is
-    /// as deep as the edge is there.
+    /// Only the ends and the crossings of an edge between the corners of a large triangle touch,
+    /// and each crossing is as deep as the edge is there.
     #[test]
     fn crossings_are_as_deep_as_the_edge_lies() {
         let wedge = Shape::Cuboid { half: Vec3::new(0.03, 0.004, 0.004) };
@@ -306,7 +313,8 @@ mod tests {
         }
     }
 
-    /// A block of flesh that lies across the edge of a table: its own edges are held straight up, too.
+    /// A block of flesh that lies across the edge of a table: its own edges are held straight up,
+    /// too.
     #[test]
     fn creases_that_lie_on_an_edge_are_held_square_to_both() {
         for cells in [1, 2, 5] {

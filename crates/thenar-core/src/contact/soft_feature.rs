@@ -1,10 +1,10 @@
-//! What of a rigid shape comes between the vertices of a deformable surface: its sharp points, its straight edges
-//! (`soft_edge`), and, where it is round, its centre line.
+//! What of a rigid shape comes between the vertices of a deformable surface: its sharp points, its
+//! straight edges (`soft_edge`), and, where it is round, its centre line.
 //!
 //! Every contact made here stands for a point of one surface and its true distance to the other, so
-//! none holds what does not meet. A sharp point touches the triangle that is nearest to it; one within a
-//! straight edge does so when it arrives, or when the edge has got in. A round
-//! part touches *every* triangle near it, each at its own nearest point: contacts then move along with
+//! none holds what does not meet. A sharp point touches the triangle that is nearest to it; one
+//! within a straight edge does so when it arrives, or when the edge has got in. A round part
+//! touches *every* triangle near it, each at its own nearest point: contacts then move along with
 //! the bodies, and a large ball does not rest on one triangle after another.
 
 use crate::contact::aabb::Aabb;
@@ -22,8 +22,8 @@ use crate::math::Vec3;
 use std::cell::Cell;
 
 const NONE: u32 = u32::MAX;
-/// Places nearer to each other than this part of an edge are one: round-off, even of coordinates of a
-/// million edges.
+/// Places nearer to each other than this part of an edge are one: round-off, even of coordinates of
+/// a million edges.
 const ROUND_OFF: f64 = 1e-9;
 
 /// Work space of the search.
@@ -153,8 +153,9 @@ fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
     });
 }
 
-/// Offers a triangle to sharp point `i`, which it is no nearer to than its square root `least_squared`. Points out of the
-/// box `around` it do not touch it, and those farther than `comes` do not in this step.
+/// Offers a triangle to sharp point `i`, which it is no nearer to than its square root
+/// `least_squared`. Points out of the box `around` it do not touch it, and those farther than
+/// `comes` do not in this step.
 fn offer_to_sharp(
     pair: &SoftRigid,
     (near, prism, around): (&Near, &Prism, &Aabb),
@@ -217,8 +218,9 @@ fn settle_sharp(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collec
     scratch.met.clear();
 }
 
-/// The contact of a sharp point with its nearest triangle, if that is within the margin or the point
-/// has come in through it. A deep point is inside by winding number: the normal of a fold says the wrong side.
+/// The contact of a sharp point with its nearest triangle, if that is within the margin or the
+/// point has come in through it. A deep point is inside by winding number: the normal of a fold
+/// says the wrong side.
 fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch> {
     if t == NONE {
         return None;
@@ -251,10 +253,10 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
     })
 }
 
-/// A point that has come in through a place of the surface has taken that place: the shape is there.
-/// Near the far side of a thin or folded part a point lies inside as well, but the place is free: it
-/// lies outside the shape, not only beside the point (within 45° of the way there). What lies on the surface
-/// to round-off has not come in.
+/// A point that has come in through a place of the surface has taken that place: the shape is
+/// there. Near the far side of a thin or folded part a point lies inside as well, but the place is
+/// free: it lies outside the shape, not only beside the point (within 45° of the way there). What
+/// lies on the surface to round-off has not come in.
 ///
 /// The place lies `distance` from the point, which is on the shape.
 pub(crate) fn is_free(pair: &SoftRigid, place: &Vec3, distance: f64, gap: f64) -> bool {
@@ -277,7 +279,8 @@ fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touc
 
 // Edges and round parts.
 
-/// Places of one triangle at which edges cross its own, but for finely ridged shapes: two for each of its edges.
+/// Places of one triangle at which edges cross its own, but for finely ridged shapes: two for each
+/// of its edges.
 const CROSSINGS: usize = 6;
 /// Room besides, for compounds of many round parts and such shapes.
 const SPARE: usize = 1 << 14;
@@ -317,8 +320,8 @@ mod tests {
     use crate::math::{Pose, Quat, Vec3};
     use crate::model::Motion;
 
-    /// A side wall turned inside out, as crushed flesh has them, sees corners in front of it as behind it. None of
-    /// them is held: within the margin as far away as it is, beyond not at all.
+    /// A side wall turned inside out, as crushed flesh has them, sees corners in front of it as
+    /// behind it. None of them is held: within the margin as far away as it is, beyond not at all.
     #[test]
     fn corners_before_a_wall_turned_inside_out_are_not_in_it() {
         let cone = Shape::Cone { radius: 0.002, height: 0.003 };

@@ -1,11 +1,12 @@
 //! A rigid body inside a deformable one: the way out.
 //!
-//! A body that starts inside the flesh, or was driven there, touches its surface nowhere. Balls inside the
-//! body tell: while the centre of one is inside the surface, it is led out where the surface is nearest,
-//! however deep that is. In contact no centre is inside: the surface lies around the body.
+//! A body that starts inside the flesh, or was driven there, touches its surface nowhere. Balls
+//! inside the body tell: while the centre of one is inside the surface, it is led out where the
+//! surface is nearest, however deep that is. In contact no centre is inside: the surface lies
+//! around the body.
 //!
-//! Flesh that is crushed has folds and places turned inside out. Of those the normal says the wrong side, so
-//! that a centre is inside only if the surface also winds around it.
+//! Flesh that is crushed has folds and places turned inside out. Of those the normal says the wrong
+//! side, so that a centre is inside only if the surface also winds around it.
 
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::features::capsule_axis;
@@ -22,8 +23,8 @@ pub(crate) struct InnerBall {
     pub radius: f64,
 }
 
-/// Adds balls inside a shape that is no compound, in its frame: of a capsule both ends and the middle, of
-/// a mesh that about the deepest point of its grid, of others the middle.
+/// Adds balls inside a shape that is no compound, in its frame: of a capsule both ends and the
+/// middle, of a mesh that about the deepest point of its grid, of others the middle.
 pub(crate) fn inner_balls(shape: &Shape, mut add: impl FnMut(InnerBall)) {
     let mut about = |center: Vec3| {
         let radius = -shape.distance(&center).value;
@@ -43,8 +44,8 @@ pub(crate) fn inner_balls(shape: &Shape, mut add: impl FnMut(InnerBall)) {
 }
 
 impl SoftRigid<'_> {
-    /// Contacts that lead the body out of the surface, whose tree is up to date; `false` when it is not
-    /// inside.
+    /// Contacts that lead the body out of the surface, whose tree is up to date; `false` when it is
+    /// not inside.
     pub(super) fn lead_out(&self, out: &mut Collector) -> bool {
         let mut is_inside = false;
         for (i, inner) in (0..).zip(&self.body.sharp.inner) {
@@ -99,7 +100,8 @@ mod tests {
     use crate::math::{Pose, Quat};
     use crate::model::Motion;
 
-    /// A side wall turned inside out, as crushed flesh has them, sees what is in front of it as behind it.
+    /// A side wall turned inside out, as crushed flesh has them, sees what is in front of it as
+    /// behind it.
     #[test]
     fn what_is_before_a_wall_turned_inside_out_is_not_inside() {
         for n in [2, 4] {
@@ -121,8 +123,9 @@ mod tests {
         }
     }
 
-    /// Bodies wholly inside a soft cube of 40 mm, at several depths and meshes, leave by its nearest face:
-    /// the deepest contact points out of it and is as deep as the body's middle, and its inner radius.
+    /// Bodies wholly inside a soft cube of 40 mm, at several depths and meshes, leave by its
+    /// nearest face: the deepest contact points out of it and is as deep as the body's middle, and
+    /// its inner radius.
     #[test]
     fn what_is_inside_leaves_by_the_nearest_face() {
         let shapes = [

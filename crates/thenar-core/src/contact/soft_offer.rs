@@ -1,4 +1,5 @@
-//! The triangle that a vertex of a deformable surface is nearest to, and the one that comes to it in a step.
+//! The triangle that a vertex of a deformable surface is nearest to, and the one that comes to it
+//! in a step.
 
 use crate::contact::approach::Seen;
 use crate::contact::near::{Arrival, Near, may_arrive};
@@ -9,8 +10,9 @@ use crate::contact::surface::Facet;
 use crate::contact::triangle::{Closest, ROUNDED_UP, closest_on_triangle};
 
 impl SoftSoft<'_> {
-    /// Keeps triangle `t`, over whose plane vertex `v` of side `i` has this height ([`Facet::heights`]), if it is the nearest so far
-    /// within reach, or the first to come to the vertex in the step; for a vertex that was in contact, among those that face it.
+    /// Keeps triangle `t`, over whose plane vertex `v` of side `i` has this height
+    /// ([`Facet::heights`]), if it is the nearest so far within reach, or the first to come to the
+    /// vertex in the step; for a vertex that was in contact, among those that face it.
     pub(super) fn offer(
         &self,
         (i, v): (usize, u32),
@@ -61,7 +63,8 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Where triangle `t` of the other side comes to vertex `v` of side `i` no later than after the part `latest` of the step.
+    /// Where triangle `t` of the other side comes to vertex `v` of side `i` no later than after the
+    /// part `latest` of the step.
     fn arrival(&self, i: usize, v: u32, t: u32, now: Closest, latest: f64) -> Option<Arrival> {
         let [own, other] = self.facing(i);
         let p = &own.state.positions[v as usize];

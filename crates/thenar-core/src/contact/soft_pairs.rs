@@ -1,4 +1,5 @@
-//! Pairs with a deformable body, and which parts of one are neighbours: settled when a world is built.
+//! Pairs with a deformable body, and which parts of one are neighbours: settled when a world is
+//! built.
 
 use crate::contact::apart::{Apart, Regions};
 use crate::contact::pairs::PairTable;

@@ -52,13 +52,14 @@ pub(crate) struct VertexScratch {
     guesses: Vec<Guess>,
 }
 
-/// Where a vertex was near a mesh when it was last looked at: spares much of the next search, and does not change what
-/// is found.
+/// Where a vertex was near a mesh when it was last looked at: spares much of the next search, and
+/// does not change what is found.
 #[derive(Clone, Debug)]
 struct Guess {
     /// The triangle that it was nearest to.
     item: Cell<u32>,
-    /// The body to which the vertex was no nearer than `far` \[m\] when it was at this place in its frame.
+    /// The body to which the vertex was no nearer than `far` \[m\] when it was at this place in its
+    /// frame.
     rigid: u32,
     place: Vec3,
     far: f64,
@@ -70,7 +71,8 @@ impl Guess {
         Self { item: Cell::new(u32::MAX), rigid: u32::MAX, place, far: f64::NEG_INFINITY }
     }
 
-    /// The distance to `shape` of body `rigid` from `p`, that moves by `u` in this step, if it is below `reach`.
+    /// The distance to `shape` of body `rigid` from `p`, that moves by `u` in this step, if it is
+    /// below `reach`.
     fn within(
         &mut self,
         shape: &Shape,
@@ -96,13 +98,15 @@ impl Guess {
     }
 }
 
-/// Distance at which vertices out of reach are looked for, in parts of the reach, where they stay there for some
-/// steps: less far is soon looked for again, and farther costs more. What is found does not depend on this.
+/// Distance at which vertices out of reach are looked for, in parts of the reach, where they stay
+/// there for some steps: less far is soon looked for again, and farther costs more. What is found
+/// does not depend on this.
 const BEYOND: f64 = 1.5;
-/// Steps for which a vertex out of reach is not looked for again: a search farther out, once in eight steps, costs each
-/// of them an eighth.
+/// Steps for which a vertex out of reach is not looked for again: a search farther out, once in
+/// eight steps, costs each of them an eighth.
 const KEPT: f64 = 8.0;
-/// A third more than 1/√3, the distance of an equilateral triangle's corners from its middle in edges, for stretching.
+/// A third more than 1/√3, the distance of an equilateral triangle's corners from its middle in
+/// edges, for stretching.
 const TO_CORNER: f64 = 0.77;
 
 impl VertexScratch {
@@ -113,8 +117,8 @@ impl VertexScratch {
 }
 
 impl SoftRigid<'_> {
-    /// All contacts of the pair: first of the vertices, then of what they miss; while the body is inside
-    /// the surface, those that lead it out.
+    /// All contacts of the pair: first of the vertices, then of what they miss; while the body is
+    /// inside the surface, those that lead it out.
     pub fn find(
         &self,
         sight: &mut Sight,
@@ -197,7 +201,8 @@ impl SoftRigid<'_> {
         sided.value < f64::INFINITY
     }
 
-    /// A vertex at distance `now` does not feel how sharp an edge is, unless it was led out another way.
+    /// A vertex at distance `now` does not feel how sharp an edge is, unless it was led out another
+    /// way.
     fn blunted(&self, v: usize, p: &Vec3, now: Distance, sided: Distance) -> Distance {
         if sided.gradient != now.gradient || !has_edges(&self.body.shape) {
             return sided;
@@ -233,8 +238,8 @@ mod tests {
     use crate::noise::Noise;
     use std::sync::Arc;
 
-    /// Points that wander about a cube, slowly and in leaps: each time it is as if they were looked for anew, and what
-    /// is far is mostly known to be.
+    /// Points that wander about a cube, slowly and in leaps: each time it is as if they were looked
+    /// for anew, and what is far is mostly known to be.
     #[test]
     fn what_is_remembered_changes_nothing() {
         let (points, triangles) = cube(0.04, 3);

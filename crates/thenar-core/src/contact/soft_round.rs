@@ -1,9 +1,10 @@
 //! Round parts of a rigid shape against the triangles of a deformable surface.
 //!
-//! The inside of each triangle and each edge touch a round part where they are nearest to it, and, where
-//! the part is a line of balls or a cylinder, where they are nearest to the ends of its axis: a line along a triangle is
-//! thus held at both ends of what lies over it. On a large triangle points beside the place stand for it (`places`).
-//! Every such place moves continuously with the bodies, and whether it is there does not depend on the others.
+//! The inside of each triangle and each edge touch a round part where they are nearest to it, and,
+//! where the part is a line of balls or a cylinder, where they are nearest to the ends of its axis:
+//! a line along a triangle is thus held at both ends of what lies over it. On a large triangle
+//! points beside the place stand for it (`places`). Every such place moves continuously with the
+//! bodies, and whether it is there does not depend on the others.
 
 use crate::contact::approach::approach;
 use crate::contact::blunt::{blunted, has_edges};
@@ -24,7 +25,8 @@ const NEAREST_ROUNDS: usize = 8;
 pub(crate) const ROUND_PLACES: usize = 12;
 /// Numbers for the places of one part.
 const PLACES: u32 = ROUND_PLACES as u32;
-/// Numbers of the places inside, and of those of one edge: by the ends of what lies along it, and by the nearest.
+/// Numbers of the places inside, and of those of one edge: by the ends of what lies along it, and
+/// by the nearest.
 const INSIDE: u32 = 3;
 const ON_EDGE: u32 = 3;
 /// The number of the nearest place.
@@ -58,8 +60,8 @@ impl Touches<'_> {
 /// A place of a triangle: its number, what of the triangle it lies on, its weights.
 type Place = (u32, Feature, [f64; 3]);
 
-/// Lets a triangle touch part `r`; its corners are contacts of their own. If all of it is farther than
-/// the margin, it touches where it arrives first in this step.
+/// Lets a triangle touch part `r`; its corners are contacts of their own. If all of it is farther
+/// than the margin, it touches where it arrives first in this step.
 pub(crate) fn meet_round(
     pair: &SoftRigid,
     near: &Near,
@@ -117,8 +119,8 @@ pub(crate) fn meet_round(
     }
 }
 
-/// Numbers and weights of the points that stand for place `held`: `spread` from it towards each corner of what it
-/// lies on, or the place itself.
+/// Numbers and weights of the points that stand for place `held`: `spread` from it towards each
+/// corner of what it lies on, or the place itself.
 fn around(
     held: [f64; 3],
     x: &[Vec3; 3],
@@ -143,16 +145,17 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
     }
 }
 
-/// True when what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side,
-/// held at the ends of its axis, and a flat end are as near at their ends. On the rim that place goes `R / t` for each
-/// radian by which a triangle turns that slopes by t: held there alone it rocks for ever. The points of the rim
-/// stay where they are.
+/// True when what is nearest to the inside of a triangle is a point of a sharp rim, or next to one:
+/// a straight side, held at the ends of its axis, and a flat end are as near at their ends. On the
+/// rim that place goes `R / t` for each radian by which a triangle turns that slopes by t: held
+/// there alone it rocks for ever. The points of the rim stay where they are.
 fn has_sharp_rim(shape: &Shape) -> bool {
     matches!(shape, Shape::Cylinder { .. })
 }
 
-/// True when what a point at distance `now` has `seen` of a cylinder or a cone, blunted, is a rim or a tip. What
-/// presses there stays there: a tilt moves it nowhere. Sides and ends have one slope against the axis, along y.
+/// True when what a point at distance `now` has `seen` of a cylinder or a cone, blunted, is a rim
+/// or a tip. What presses there stays there: a tilt moves it nowhere. Sides and ends have one slope
+/// against the axis, along y.
 fn is_on_rim(now: &Distance, seen: &Distance) -> bool {
     (seen.gradient.y - now.gradient.y).abs() > SLOPE_ROUND_OFF
 }
@@ -166,8 +169,8 @@ fn side_ends(shape: &Shape) -> Option<[Vec3; 2]> {
     }
 }
 
-/// The places inside a triangle and within its edges at which it may touch a convex shape, in the frame of
-/// the shape; those of edges that come nowhere `within` so far are left out.
+/// The places inside a triangle and within its edges at which it may touch a convex shape, in the
+/// frame of the shape; those of edges that come nowhere `within` so far are left out.
 fn for_each_place(
     shape: &Shape,
     line: Option<&([Vec3; 2], f64)>,
@@ -297,10 +300,10 @@ fn blunted_on(
     blunted(&part.shape, p, outward, pair.surface.edge_within(near.index, weights), now)
 }
 
-/// Distance that corners and straight edges see of a rim or a tip at distance `now` from a place of smooth flesh: its
-/// normal is that of the surface there. `None` where the surface has an edge of its own. All of it counts from where
-/// the blunted direction begins to turn: passed over to by degrees, it made forces jump more often under rims drawn
-/// over skin.
+/// Distance that corners and straight edges see of a rim or a tip at distance `now` from a place of
+/// smooth flesh: its normal is that of the surface there. `None` where the surface has an edge of
+/// its own. All of it counts from where the blunted direction begins to turn: passed over to by
+/// degrees, it made forces jump more often under rims drawn over skin.
 fn rounded(
     pair: &SoftRigid,
     near: &Near,
@@ -333,7 +336,8 @@ mod tests {
     use crate::math::{Pose, Quat};
     use crate::model::Motion;
 
-    /// Points around a place are equally far from it, and it lies between them; next to a corner they stay within.
+    /// Points around a place are equally far from it, and it lies between them; next to a corner
+    /// they stay within.
     #[test]
     fn points_around_a_place_hold_it_between_them() {
         let x = [Vec3::zeros(), Vec3::x() * 0.01, Vec3::new(0.004, 0.0, 0.009)];
@@ -377,8 +381,9 @@ mod tests {
         scene.find(1e-3)
     }
 
-    /// While the slope turns by 1° its lowest place goes 0.2 mm along the rim. What holds it stays, so that its
-    /// force goes over from point to point, and no point between two is deeper than what counts as touching.
+    /// While the slope turns by 1° its lowest place goes 0.2 mm along the rim. What holds it stays,
+    /// so that its force goes over from point to point, and no point between two is deeper than
+    /// what counts as touching.
     #[test]
     fn a_rim_holds_a_slope_at_points_that_stay() {
         let places = |azimuth: f64| -> Vec<(u64, Vec3, f64)> {

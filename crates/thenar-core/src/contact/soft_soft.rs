@@ -18,12 +18,14 @@ use crate::room::Room;
 use crossings::Cross;
 
 const NONE: u32 = u32::MAX;
-/// Distances to one place are equal but for rounding \[m\]. Places a metre from the origin are rounded by 1e-16 m:
-/// between points so near to each other a direction is good to 1e-7, between nearer ones soon to nothing.
+/// Distances to one place are equal but for rounding \[m\]. Places a metre from the origin are
+/// rounded by 1e-16 m: between points so near to each other a direction is good to 1e-7, between
+/// nearer ones soon to nothing.
 const BY_ROUNDING: f64 = 1e-9;
-/// A vertex whose mean normal goes along the contact's by more than this (cosine) has come through to the far side, or
-/// meets a surface turned inside out, and would be held where it does not belong. Up to this, 17° beyond square, the mean
-/// normal at a rim may lean. Unit tests hold from -0.3 to 0.9: none tells the value.
+/// A vertex whose mean normal goes along the contact's by more than this (cosine) has come through
+/// to the far side, or meets a surface turned inside out, and would be held where it does not
+/// belong. Up to this, 17° beyond square, the mean normal at a rim may lean. Unit tests hold from
+/// -0.3 to 0.9: none tells the value.
 const FACING: f64 = 0.3;
 
 /// One of two surfaces. Its boxes are fitted to the step.
@@ -49,9 +51,9 @@ impl SoftSide<'_> {
         self.surface.corners(t, self.state.positions)
     }
 
-    /// True when the surface that goes on beyond the nearest place of a triangle comes nearer to `p`: where some
-    /// triangles are left out (neighbours), the nearest of all others may be at the rim of these, whose inside
-    /// says nothing.
+    /// True when the surface that goes on beyond the nearest place of a triangle comes nearer to
+    /// `p`: where some triangles are left out (neighbours), the nearest of all others may be at the
+    /// rim of these, whose inside says nothing.
     fn goes_on_nearer(&self, p: &Vec3, t: u32, nearest: &Closest) -> bool {
         let least = (nearest.distance_squared.sqrt() - BY_ROUNDING).max(0.0).powi(2);
         let is_nearer = |u: u32| {
@@ -186,8 +188,8 @@ impl SoftSoft<'_> {
         self.apart.is_some_and(corners)
     }
 
-    /// Offers to each other the vertices and edges of triangle `s` of A and `t` of B. Those that are farther apart than
-    /// `reach` only touch if they come nearer in this step.
+    /// Offers to each other the vertices and edges of triangle `s` of A and `t` of B. Those that
+    /// are farther apart than `reach` only touch if they come nearer in this step.
     fn meet(
         &self,
         [s, t]: [u32; 2],
@@ -223,9 +225,9 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Offers to each vertex that was in contact, of one surface, the flesh of its own bone and of those joined to that,
-    /// too, where no contact begins: one that slides there, over the rim of what it may touch, goes on until the two
-    /// part.
+    /// Offers to each vertex that was in contact, of one surface, the flesh of its own bone and of
+    /// those joined to that, too, where no contact begins: one that slides there, over the rim of
+    /// what it may touch, goes on until the two part.
     fn slide_on(&self, apart: &Apart, reach: f64, sight: &Sight, scratch: &mut VertexScratch) {
         let side = &self.a;
         let (first, count) = (side.surface.first_vertex, side.surface.vertex_count());
@@ -303,9 +305,10 @@ impl SoftSoft<'_> {
         true
     }
 
-    /// True when a vertex at `p`, `depth` \[m\] behind its nearest place of the other side, is in it. A shallow one
-    /// is; a deep one is by winding number, as the outer side of a surface that is folded inside out looks inward.
-    /// Within one surface, it must not be nearest to the rim of its neighbours.
+    /// True when a vertex at `p`, `depth` \[m\] behind its nearest place of the other side, is in
+    /// it. A shallow one is; a deep one is by winding number, as the outer side of a surface that
+    /// is folded inside out looks inward. Within one surface, it must not be nearest to the rim of
+    /// its neighbours.
     pub(super) fn has_got_in(
         &self,
         other: &SoftSide,
@@ -384,8 +387,9 @@ mod tests {
     use super::*;
     use crate::contact::tests::{Scene, cube};
 
-    /// A face that is pressed together sideways to a tenth brings parts of it near each other that are no
-    /// neighbours. None of it lies in the other, whether a vertex is a little above or below their plane.
+    /// A face that is pressed together sideways to a tenth brings parts of it near each other that
+    /// are no neighbours. None of it lies in the other, whether a vertex is a little above or below
+    /// their plane.
     #[test]
     fn what_lies_beside_the_rim_of_its_neighbours_is_not_in_it() {
         for n in [6, 9, 12] {

@@ -1,5 +1,5 @@
-//! Contacts between two soft surfaces, and of one with itself, are where surfaces meet: gaps are found
-//! here without the code that made them.
+//! Contacts between two soft surfaces, and of one with itself, are where surfaces meet: gaps are
+//! found here without the code that made them.
 
 use super::tests::{Scene, cube, moved};
 use super::triangle::closest_on_triangle;
@@ -34,8 +34,8 @@ fn between_lines(a: (Vec3, Vec3), b: (Vec3, Vec3)) -> (f64, Vec3) {
     (apart.abs(), across * apart.signum())
 }
 
-/// A contact of two edges: its gap is the distance of their lines along its normal, positive where its
-/// points lie apart along it.
+/// A contact of two edges: its gap is the distance of their lines along its normal, positive where
+/// its points lie apart along it.
 fn check_edges(c: &Contact, [p, q]: [&SurfacePoint; 2], [x_p, x_q]: [&[Vec3]; 2]) {
     let (distance, way) = between_lines(edge_of(p, x_p), edge_of(q, x_q));
     assert!((c.gap.abs() - distance).abs() < WITHIN, "gap {} of {distance}", c.gap);
@@ -48,7 +48,8 @@ fn check_edges(c: &Contact, [p, q]: [&SurfacePoint; 2], [x_p, x_q]: [&[Vec3]; 2]
 /// Half the edge of the cubes.
 const HALF: f64 = 0.02;
 
-/// A cube turned about the point `at` of one of its edges, that lies at the origin and looks along y.
+/// A cube turned about the point `at` of one of its edges, that lies at the origin and looks along
+/// y.
 fn edge_up(at: f64, turn: Quat) -> (Mesh, impl Fn(&Vec3) -> Vec3) {
     let (mut points, triangles) = cube(2.0 * HALF, 4);
     let on_edge = Vec3::new(HALF, HALF, at);
@@ -58,8 +59,8 @@ fn edge_up(at: f64, turn: Quat) -> (Mesh, impl Fn(&Vec3) -> Vec3) {
     ((points, triangles), back)
 }
 
-/// Two cubes whose edges cross, one over the other and turned about all axes: the crossing is found with the distance
-/// that the edges were given, and every contact beside it is as far as it says.
+/// Two cubes whose edges cross, one over the other and turned about all axes: the crossing is found
+/// with the distance that the edges were given, and every contact beside it is as far as it says.
 #[test]
 fn gaps_of_edges_that_cross_are_their_distances() {
     let mut random = Noise::seeded(21);
@@ -149,8 +150,8 @@ fn tube() -> Mesh {
     (points, triangles)
 }
 
-/// A tube wound into a coil, at random so far that its ends lie beside each other, above or below: what
-/// touches is as far from the far end, by all of that end's triangles, as it says.
+/// A tube wound into a coil, at random so far that its ends lie beside each other, above or below:
+/// what touches is as far from the far end, by all of that end's triangles, as it says.
 #[test]
 fn gaps_of_a_surface_with_itself_are_its_distances() {
     let mut random = Noise::seeded(23);

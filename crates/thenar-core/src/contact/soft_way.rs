@@ -1,14 +1,15 @@
 //! Direction in which an entangled region leaves.
 //!
-//! Vertices that each took the nearest place outside would pull their body apart: those of a side wall
-//! are nearest to the wall beside them. A region leaves along one direction n, A by +n and B by -n,
-//! and its *depth along n* is how far the farthest of its places has to go, the least common
-//! translation that frees it. Of all directions the shallowest is the penetration depth of the region
-//! (Cameron 1997, for rigid bodies). Tried are: the way it came in by, as its vertices have seen the
-//! other surface; the gradient of the common volume, which is minus the sum of the area vectors inside
-//! (Allard et al. 2010); and those ways from some of its places to the nearest place outside that make
-//! the common volume smaller: others lead a region on through the other body, whose far side it does not
-//! see. Edges that go through with no vertex inside tell little of the volume: the faces that they went through are tried, too.
+//! Vertices that each took the nearest place outside would pull their body apart: those of a side
+//! wall are nearest to the wall beside them. A region leaves along one direction n, A by +n and B
+//! by -n, and its *depth along n* is how far the farthest of its places has to go, the least common
+//! translation that frees it. Of all directions the shallowest is the penetration depth of the
+//! region (Cameron 1997, for rigid bodies). Tried are: the way it came in by, as its vertices have
+//! seen the other surface; the gradient of the common volume, which is minus the sum of the area
+//! vectors inside (Allard et al. 2010); and those ways from some of its places to the nearest place
+//! outside that make the common volume smaller: others lead a region on through the other body,
+//! whose far side it does not see. Edges that go through with no vertex inside tell little of the
+//! volume: the faces that they went through are tried, too.
 
 use crate::contact::sides::Sight;
 use crate::contact::soft_deep::{NONE, Place};
@@ -17,10 +18,12 @@ use crate::contact::triangle::{area_vector, cut_by_ray};
 use crate::math::Vec3;
 
 /// Another way is taken than it came in by only if that is shorter by this factor: ways of about
-/// one length do not alternate. Out of a flat face the way is longer by as much where it stands at 60° to its normal.
+/// one length do not alternate. Out of a flat face the way is longer by as much where it stands at
+/// 60° to its normal.
 pub(super) const KEPT: f64 = 2.0;
-/// Number of places, taken evenly by depth from all, that offer their nearest way out. Each offer asks all places for
-/// their depth along it: the work grows with the region, and not with its square.
+/// Number of places, taken evenly by depth from all, that offer their nearest way out. Each offer
+/// asks all places for their depth along it: the work grows with the region, and not with its
+/// square.
 const OFFERED: usize = 32;
 
 /// Normals are of one way out if they are parallel so far (cosine, less rounding).
@@ -97,8 +100,9 @@ impl SoftSoft<'_> {
         self.seen(places, sight).sum()
     }
 
-    /// True when a region was put where it is: its vertices have seen nothing of the other surface, or most
-    /// of them were on one way out. What came in by itself saw the other surface bend around it.
+    /// True when a region was put where it is: its vertices have seen nothing of the other surface,
+    /// or most of them were on one way out. What came in by itself saw the other surface bend
+    /// around it.
     pub(super) fn was_put(&self, places: &[Place], sight: &Sight) -> bool {
         let Some(first) = self.seen(places, sight).next() else { return true };
         let parallel = self.seen(places, sight).filter(|n| n.dot(&first) >= PARALLEL).count();
@@ -114,8 +118,8 @@ impl SoftSoft<'_> {
         })
     }
 
-    /// Depth of places along a direction, in parts of how deep the search near a surface looks; `None`
-    /// if it is not below `bound`, or some find no way out.
+    /// Depth of places along a direction, in parts of how deep the search near a surface looks;
+    /// `None` if it is not below `bound`, or some find no way out.
     fn depth_along(&self, places: &[Place], along: &Vec3, bound: f64) -> Option<f64> {
         let mut deepest = 0.0_f64;
         for place in places {
@@ -156,8 +160,8 @@ impl SoftSoft<'_> {
         best.filter(|best| best.triangle != place.through)
     }
 
-    /// True when a vertex of a surface that touches itself is inside another part of it: beyond its own
-    /// triangles, a ray out of it leaves once more than it enters (winding number).
+    /// True when a vertex of a surface that touches itself is inside another part of it: beyond its
+    /// own triangles, a ray out of it leaves once more than it enters (winding number).
     pub(super) fn is_wound(&self, v: u32) -> bool {
         let side = &self.a;
         let normal = &side.surface.vertex_normal(v, side.state.positions);

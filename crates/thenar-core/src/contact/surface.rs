@@ -11,9 +11,9 @@ use crate::math::Vec3;
 use crate::model::Flesh;
 
 const NONE: u32 = u32::MAX;
-/// A point that has come in by this part of the mean edge has come in through the triangle that is nearest to
-/// it. The circle in an equilateral triangle has a radius of 0.29 edges: below its middle, what is less deep is
-/// nearer to the triangle than to a wall that goes down from its rim.
+/// A point that has come in by this part of the mean edge has come in through the triangle that is
+/// nearest to it. The circle in an equilateral triangle has a radius of 0.29 edges: below its
+/// middle, what is less deep is nearer to the triangle than to a wall that goes down from its rim.
 const DEPTH: f64 = 0.25;
 /// Contacts rest within this part of the mean edge; what is deeper has got in.
 const ENTERED: f64 = 0.01;
@@ -24,7 +24,8 @@ pub(crate) struct Facet {
     pub bounds: Aabb,
     /// Area vector \[m²\].
     pub area: Vec3,
-    /// Length of the area vector \[m²\]; without end where rounding decides where that points, so that no plane tells anything.
+    /// Length of the area vector \[m²\]; without end where rounding decides where that points, so
+    /// that no plane tells anything.
     extent: f64,
     /// Mean motion of its corners in the step \[m\].
     motion: Vec3,
@@ -51,22 +52,23 @@ impl Facet {
         (self.motion - motion).norm() + self.spread
     }
 
-    /// Heights of points over the triangle's plane, which goes through `origin`, times its area \[m³\].
+    /// Heights of points over the triangle's plane, which goes through `origin`, times its area
+    /// \[m³\].
     #[inline]
     pub fn heights<const N: usize>(&self, origin: &Vec3, points: &[Vec3; N]) -> [f64; N] {
         points.map(|p| self.area.dot(&(p - origin)))
     }
 
-    /// Square of the least distance from the triangle of a point with this height, of [`Facet::heights`] \[m²\]; zero for a triangle
-    /// without area.
+    /// Square of the least distance from the triangle of a point with this height, of
+    /// [`Facet::heights`] \[m²\]; zero for a triangle without area.
     #[inline]
     pub fn distance_squared_by(&self, height: f64) -> f64 {
         let distance = height / self.extent;
         distance * distance
     }
 
-    /// True where points with these heights, and all between them, lie farther over the plane, or farther under it, than `reach`
-    /// \[m\]; false for a triangle without area.
+    /// True where points with these heights, and all between them, lie farther over the plane, or
+    /// farther under it, than `reach` \[m\]; false for a triangle without area.
     #[inline]
     pub fn is_beyond<const N: usize>(&self, heights: &[f64; N], reach: f64) -> bool {
         are_beyond(heights, reach * ROUNDED_UP * self.extent)
@@ -149,8 +151,8 @@ impl Surface {
         }
     }
 
-    /// How deep a point may lie below the surface and still be led out through its nearest triangle \[m\]: what
-    /// is deeper is as near to others.
+    /// How deep a point may lie below the surface and still be led out through its nearest triangle
+    /// \[m\]: what is deeper is as near to others.
     pub fn depth_max(&self) -> f64 {
         DEPTH * self.edge_mean
     }
@@ -170,8 +172,8 @@ impl Surface {
         &of_all[self.first_vertex..self.first_vertex + self.vertex_count()]
     }
 
-    /// Takes the triangles as they are, and puts the boxes of the tree around them and where they are after a step of
-    /// length `h`, both seen from a frame that moves with velocity `drift`.
+    /// Takes the triangles as they are, and puts the boxes of the tree around them and where they
+    /// are after a step of length `h`, both seen from a frame that moves with velocity `drift`.
     pub fn refit(&mut self, state: &SurfaceState, h: f64, drift: &Vec3) {
         let Self { triangles, facets, motions, ends, tree, .. } = self;
         let vertices = motions.iter_mut().zip(ends.iter_mut());
@@ -187,7 +189,8 @@ impl Surface {
         });
     }
 
-    /// The corners (0 to 2) that this triangle answers for, with their vertices: each vertex has one such triangle.
+    /// The corners (0 to 2) that this triangle answers for, with their vertices: each vertex has
+    /// one such triangle.
     pub fn owned_corners(&self, triangle: u32) -> impl Iterator<Item = (usize, u32)> {
         let (corners, owned) = (self.triangles[triangle as usize], self.owned[triangle as usize]);
         (0..3).filter(move |&k| owned[k]).map(move |k| (k, corners[k]))
@@ -219,8 +222,9 @@ impl Surface {
         angles.sum::<f64>() > std::f64::consts::TAU
     }
 
-    /// True when a point that lies behind its nearest place by `depth` \[m\] is inside. A shallow one is; a deep one
-    /// is by winding number, as the outer side of a surface that is folded inside out looks inward.
+    /// True when a point that lies behind its nearest place by `depth` \[m\] is inside. A shallow
+    /// one is; a deep one is by winding number, as the outer side of a surface that is folded
+    /// inside out looks inward.
     pub fn holds_behind(&self, p: &Vec3, depth: f64, x: &[Vec3]) -> bool {
         !self.is_deep(depth) || self.winds_around(p, x)
     }
@@ -241,15 +245,16 @@ impl Surface {
         &self.around[self.around_start[v] as usize..self.around_start[v + 1] as usize]
     }
 
-    /// The mean of the unit normals around a vertex, by areas: shorter than 1 where the surface is bent.
+    /// The mean of the unit normals around a vertex, by areas: shorter than 1 where the surface is
+    /// bent.
     pub fn mean_normal_at(&self, vertex: u32, x: &[Vec3]) -> Vec3 {
         let areas = self.around(vertex).iter().map(|&t| area_vector(&self.corners(t, x)));
         let (sum, whole) = areas.fold((Vec3::zeros(), 0.0), |(s, a), n| (s + n, a + n.norm()));
         if whole > 0.0 { sum / whole } else { Vec3::zeros() }
     }
 
-    /// Mean of the unit normals at a point of a triangle, interpolated between its corners: no jump where a point
-    /// goes on from a face to an edge or a vertex.
+    /// Mean of the unit normals at a point of a triangle, interpolated between its corners: no jump
+    /// where a point goes on from a face to an edge or a vertex.
     pub fn mean_normal(&self, triangle: u32, weights: &[f64; 3], x: &[Vec3]) -> Vec3 {
         let corners = self.triangles[triangle as usize].into_iter().zip(weights);
         corners.filter(|(_, w)| **w != 0.0).map(|(v, w)| self.mean_normal_at(v, x) * *w).sum()
@@ -260,7 +265,8 @@ impl Surface {
         self.edge_mean.min(self.edge_around[vertex as usize])
     }
 
-    /// Length of the edges at a point of a triangle \[m\], interpolated like [`Surface::mean_normal`].
+    /// Length of the edges at a point of a triangle \[m\], interpolated like
+    /// [`Surface::mean_normal`].
     pub fn edge_within(&self, triangle: u32, weights: &[f64; 3]) -> f64 {
         let corners = self.triangles[triangle as usize].into_iter().zip(weights);
         corners.map(|(v, w)| self.edge_at(v) * w).sum()
@@ -286,13 +292,14 @@ impl Surface {
         sum.try_normalize(1e-12).unwrap_or_else(Vec3::zeros)
     }
 
-    /// The outward normal at a point of a triangle, interpolated over the smooth piece of the surface
-    /// around it. Unit length; zero for a degenerate neighbourhood.
+    /// The outward normal at a point of a triangle, interpolated over the smooth piece of the
+    /// surface around it. Unit length; zero for a degenerate neighbourhood.
     pub fn smooth_normal(&self, triangle: u32, weights: &[f64; 3], x: &[Vec3]) -> Vec3 {
         self.smooth.at(triangle, weights, &self.triangles, x)
     }
 
-    /// True when edge `k` of a triangle is a sharp edge of the surface's own: where it was bent at rest.
+    /// True when edge `k` of a triangle is a sharp edge of the surface's own: where it was bent at
+    /// rest.
     pub fn is_crease(&self, triangle: u32, k: usize) -> bool {
         self.smooth.creases[triangle as usize][k]
     }
@@ -394,8 +401,8 @@ mod tests {
     use crate::contact::triangle::closest_on_triangle;
     use crate::noise::Noise;
 
-    /// Planes of triangles, of slivers and of such as rounding leaves on a line, set no point and no triangle farther apart than
-    /// they are; of even triangles they tell most.
+    /// Planes of triangles, of slivers and of such as rounding leaves on a line, set no point and
+    /// no triangle farther apart than they are; of even triangles they tell most.
     #[test]
     fn planes_bound_distances_from_below() {
         let (mut random, mut told) = (Noise::seeded(15), 0);

@@ -11,12 +11,12 @@ use crate::contact::rigid_pair::{Reach, RigidSide};
 use crate::contact::support::Solid;
 use crate::math::{Mat3, Quat, Vec3};
 
-/// Most advances of one search. Where they end early, the pair glances: the contact is looked for where it has got to,
-/// and has its true gap there.
+/// Most advances of one search. Where they end early, the pair glances: the contact is looked for
+/// where it has got to, and has its true gap there.
 const ADVANCES_MAX: usize = 64;
-/// Bodies meet where they come nearer than this part of the margin; passing farther they do not. An advance goes at
-/// least half as far, which ends the search; a body that only passes is held up by no more than this. Tests of fast
-/// bodies hold from 0.005 to 0.5.
+/// Bodies meet where they come nearer than this part of the margin; passing farther they do not. An
+/// advance goes at least half as far, which ends the search; a body that only passes is held up by
+/// no more than this. Tests of fast bodies hold from 0.005 to 0.5.
 pub(crate) const MEETING: f64 = 0.05;
 
 /// A piece of a body that moves.
@@ -45,8 +45,8 @@ impl<'a> MovingPiece<'a> {
         Solid { shape: &self.side.body.shape, rotation, origin }
     }
 
-    /// True when a contact with `other` at `p_W` has the lever of this body: that of the body that is met by the
-    /// other, or moves faster.
+    /// True when a contact with `other` at `p_W` has the lever of this body: that of the body that
+    /// is met by the other, or moves faster.
     pub fn has_lever(&self, other: &MovingPiece, p_W: &Vec3) -> bool {
         let speed = |m: &MovingPiece| m.side.placed.velocity_at(p_W).norm();
         let dynamic = |m: &MovingPiece| m.side.body.dynamic;
@@ -71,8 +71,8 @@ impl<'a> MovingPiece<'a> {
     }
 
     /// Where what touches at `p_W` after the part `s` of a step is after the part `t`: a point of a
-    /// body that is led turns with it; one that moves by forces touches with ever other points as it
-    /// turns, and takes its place along.
+    /// body that is led turns with it; one that moves by forces touches with ever other points as
+    /// it turns, and takes its place along.
     pub fn carried(&self, p_W: &Vec3, s: f64, t: f64, h: f64) -> Vec3 {
         let placed = self.side.placed;
         let center = |part: f64| placed.center_of_mass + part * h * placed.velocity;
@@ -87,13 +87,15 @@ impl<'a> MovingPiece<'a> {
         }
     }
 
-    /// True when turning leads points of the body off their tangent by as much as a meeting in the step.
+    /// True when turning leads points of the body off their tangent by as much as a meeting in the
+    /// step.
     pub fn leaves_tangent(&self, reach: Reach) -> bool {
         let angle = self.side.placed.angular_velocity.norm() * reach.h;
         0.5 * angle * angle * self.side.body.radius > MEETING * reach.margin
     }
 
-    /// True for a body that is led and whose turning leads points off their tangent, as in [`MovingPiece::leaves_tangent`].
+    /// True for a body that is led and whose turning leads points off their tangent, as in
+    /// [`MovingPiece::leaves_tangent`].
     pub fn is_turned_fast(&self, reach: Reach) -> bool {
         !self.side.body.dynamic && self.leaves_tangent(reach)
     }

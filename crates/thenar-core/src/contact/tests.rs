@@ -299,8 +299,8 @@ fn soft_cubes_touch_both_ways() {
     }
 }
 
-/// A cube that is folded inside out, its bottom drawn out through its top, has outer places that look inward. What
-/// another cube has on their far side is not inside it.
+/// A cube that is folded inside out, its bottom drawn out through its top, has outer places that
+/// look inward. What another cube has on their far side is not inside it.
 #[test]
 fn what_is_beside_a_fold_is_not_held_by_it() {
     for height in [0.0205, 0.025, 0.03, 0.04] {
@@ -321,8 +321,9 @@ fn what_is_beside_a_fold_is_not_held_by_it() {
     }
 }
 
-/// An edge of one cube cuts into that of another, from less than counts as got in to more. No contact is deeper than the
-/// cut, nor where the cube is inside out, as crushed flesh may be, and its edge looks the wrong way.
+/// An edge of one cube cuts into that of another, from less than counts as got in to more. No
+/// contact is deeper than the cut, nor where the cube is inside out, as crushed flesh may be, and
+/// its edge looks the wrong way.
 #[test]
 fn edges_that_cut_each_other_are_as_deep_as_they_are() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
@@ -336,7 +337,8 @@ fn edges_that_cut_each_other_are_as_deep_as_they_are() {
             scene.soft(cube(0.03, 3));
             let corner = Vec3::new(0.02, 0.02, 0.0) - depth * out;
             for p in &mut scene.surfaces[1].0 {
-                // From the middle of its edge, along z, that now lies across the other's; mirrored it is inside out.
+                // From the middle of its edge, along z, that now lies across the other's; mirrored
+                // it is inside out.
                 let q = *p + Vec3::new(0.015, 0.015, 0.0);
                 let (high, beside) = (half * (q.x + q.y), half * (q.x - q.y));
                 let across = (beside + aside) * Vec3::z() - side * (q.z + shift) * along;

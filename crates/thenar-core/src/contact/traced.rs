@@ -1,9 +1,10 @@
 //! All ends of a fast body, each along its own way.
 //!
-//! Where two bodies meet first one of them may be stopped, and turns its other ends through within the
-//! same step. So each corner, end or rim of a body that is fast is followed to where it arrives at the
-//! other (conservative advancement, Mirtich, 1996); the contact is the tangent plane there. Edges of boxes are followed
-//! to where they cross others': of thin boxes that meet across each other no corner arrives.
+//! Where two bodies meet first one of them may be stopped, and turns its other ends through within
+//! the same step. So each corner, end or rim of a body that is fast is followed to where it arrives
+//! at the other (conservative advancement, Mirtich, 1996); the contact is the tangent plane there.
+//! Edges of boxes are followed to where they cross others': of thin boxes that meet across each
+//! other no corner arrives.
 
 use crate::contact::Shape;
 use crate::contact::aabb::Aabb;
@@ -17,14 +18,15 @@ use crate::contact::support::inradius;
 use crate::contact::sweep::{MEETING, MovingPiece};
 use crate::math::Vec3;
 
-/// Most advances of one end. Where they end early, the end is not followed: the body is held where it meets the other.
+/// Most advances of one end. Where they end early, the end is not followed: the body is held where
+/// it meets the other.
 const ADVANCES_MAX: usize = 64;
-/// Constraints along lines nearer to each other than this part of the inradius, and turned by less than it \[rad\], are
-/// one: two would hold the same end twice.
+/// Constraints along lines nearer to each other than this part of the inradius, and turned by less
+/// than it \[rad\], are one: two would hold the same end twice.
 const SAME: f64 = 1e-4;
-/// Places on one ball whose lines are nearer to each other than this part of its radius are one: what the line of a
-/// capsule that nearly lies offers of its end, and the ball there, whose heights differ by a thousandth of the radius.
-/// Two constraints so much alike pass load back and forth.
+/// Places on one ball whose lines are nearer to each other than this part of its radius are one:
+/// what the line of a capsule that nearly lies offers of its end, and the ball there, whose heights
+/// differ by a thousandth of the radius. Two constraints so much alike pass load back and forth.
 const ON_BALL: f64 = 0.05;
 /// Features: the side that has the point, its piece and its number.
 const TRACED: u32 = 6 << 16;
@@ -32,8 +34,8 @@ const OF_B: u32 = 1 << 15;
 /// Set in the feature of two edges that cross, which 8 bits name.
 const EDGES: u32 = 1 << 14;
 
-/// Adds the points of A and of B that arrive at the other, of bodies that meet (so that `manifold` has
-/// points) and are fast.
+/// Adds the points of A and of B that arrive at the other, of bodies that meet (so that `manifold`
+/// has points) and are fast.
 pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Manifold) {
     let Some(met) = manifold.points().iter().min_by(|p, q| p.gap.total_cmp(&q.gap)) else { return };
     let normal_W = met.normal_W;
@@ -136,8 +138,8 @@ fn offer(point: ManifoldPoint, same: f64, manifold: &mut Manifold) {
     manifold.offer(point);
 }
 
-/// Balls (of radius zero: points) whose hull is the piece or nearly so, in its frame: of rims the points
-/// that look along unit vector `d`, against it, and across.
+/// Balls (of radius zero: points) whose hull is the piece or nearly so, in its frame: of rims the
+/// points that look along unit vector `d`, against it, and across.
 fn ends(piece: &Piece, d: &Vec3, mut each: impl FnMut(Vec3, f64)) {
     let rim = |radius: f64, y: f64, each: &mut dyn FnMut(Vec3, f64)| {
         let out = Vec3::new(d.x, 0.0, d.z).try_normalize(1e-9).unwrap_or_else(Vec3::x);
@@ -186,8 +188,8 @@ struct Trace<'a> {
 }
 
 impl Trace<'_> {
-    /// The part of the step after which the ball about `p` arrives at B, its centre then, its gap and
-    /// the outward normal of B. What is near already has been found where it is.
+    /// The part of the step after which the ball about `p` arrives at B, its centre then, its gap
+    /// and the outward normal of B. What is near already has been found where it is.
     fn arrival(&self, p: &Vec3, radius: f64) -> Option<(f64, Vec3, f64, Vec3)> {
         let h = self.reach.h;
         let near = MEETING * self.reach.margin;
@@ -207,8 +209,8 @@ impl Trace<'_> {
         None
     }
 
-    /// The contact of the ball about `p` (in the frame of the piece) with the tangent plane where it
-    /// arrives. To first order in the turning of bodies that move by forces; what arrives only
+    /// The contact of the ball about `p` (in the frame of the piece) with the tangent plane where
+    /// it arrives. To first order in the turning of bodies that move by forces; what arrives only
     /// after the step is not held up by it unless something else makes it faster.
     fn contact(&self, feature: u32, p: &Vec3, radius: f64) -> Option<ManifoldPoint> {
         let (a, b, h) = (self.a, self.b, self.reach.h);

@@ -23,12 +23,12 @@ pub(crate) struct Closest {
     pub distance_squared: f64,
 }
 
-/// Bounds of distances, and of their squares, leave so much room for rounding: what is tried in vain costs little, what
-/// is passed over is missed.
+/// Bounds of distances, and of their squares, leave so much room for rounding: what is tried in
+/// vain costs little, what is passed over is missed.
 pub(crate) const ROUNDED_UP: f64 = 1.0 + 1e-9;
 
-/// Solid angle under which `p` sees triangle `x`, positive from behind \[sr\] (van Oosterom and Strackee 1983). A closed
-/// surface fills 4π times its winding number about the point.
+/// Solid angle under which `p` sees triangle `x`, positive from behind \[sr\] (van Oosterom and
+/// Strackee 1983). A closed surface fills 4π times its winding number about the point.
 pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
     let [a, b, c] = x.map(|corner| corner - p);
     let lengths = [a.norm(), b.norm(), c.norm()];
@@ -36,8 +36,8 @@ pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
     2.0 * a.dot(&b.cross(&c)).atan2(lengths.iter().product::<f64>() + along)
 }
 
-/// Square of the sine between two edges below which a triangle is its edges: a hundred times what rounding makes of the square
-/// of no area.
+/// Square of the sine between two edges below which a triangle is its edges: a hundred times what
+/// rounding makes of the square of no area.
 const FLAT: f64 = 1e-14;
 
 /// Area vector of a triangle \[m²\], and whether rounding decides what it is.
@@ -57,8 +57,8 @@ pub(crate) fn are_beyond<const N: usize>(heights: &[f64; N], far: f64) -> bool {
 /// Part of the surface around a vertex that must face its load; where less does, all of it counts.
 const ASKEW: f64 = 1e-6;
 
-/// Surface that a vertex pushed along `push_W` stands for \[m²\]: a third of the `triangles` around it, as seen along the
-/// push; of all where none faces it.
+/// Surface that a vertex pushed along `push_W` stands for \[m²\]: a third of the `triangles` around
+/// it, as seen along the push; of all where none faces it.
 pub(crate) fn stands_for(triangles: impl Iterator<Item = [Vec3; 3]>, push_W: &Vec3) -> f64 {
     let (mut seen, mut whole) = (0.0, 0.0);
     for x in triangles {
@@ -69,9 +69,10 @@ pub(crate) fn stands_for(triangles: impl Iterator<Item = [Vec3; 3]>, push_W: &Ve
     (if seen > ASKEW * whole { seen } else { whole }) / 3.0
 }
 
-// `thenar_rig::mesh::closest_on_triangle` answers the same question by cross products, which still tell the faces of needles in
-// meshes from files, and gives built models their bits. Here dot products do, which cost less: contact asks in each step, of
-// each vertex and each triangle near it, and a needle counts as its edges.
+// `thenar_rig::mesh::closest_on_triangle` answers the same question by cross products, which still
+// tell the faces of needles in meshes from files, and gives built models their bits. Here dot
+// products do, which cost less: contact asks in each step, of each vertex and each triangle near
+// it, and a needle counts as its edges.
 /// The point of triangle `x` nearest to `p`. A degenerate triangle is its edges.
 pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
     let (e1, e2, d) = (x[1] - x[0], x[2] - x[0], p - x[0]);
@@ -136,8 +137,8 @@ pub(crate) fn area_vector(x: &[Vec3; 3]) -> Vec3 {
     0.5 * (x[1] - x[0]).cross(&(x[2] - x[0]))
 }
 
-/// How far from `p` along `d`, in lengths of `d`, a ray cuts triangle `x`, and the weights there. A ray
-/// along an edge, but for rounding, cuts both triangles beside it.
+/// How far from `p` along `d`, in lengths of `d`, a ray cuts triangle `x`, and the weights there. A
+/// ray along an edge, but for rounding, cuts both triangles beside it.
 pub(crate) fn cut_by_ray(p: &Vec3, d: &Vec3, x: &[Vec3; 3]) -> Option<(f64, [f64; 3])> {
     let area = area_vector(x);
     let at = area.dot(&(x[0] - p)) / area.dot(d);

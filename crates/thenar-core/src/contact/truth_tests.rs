@@ -21,9 +21,9 @@ pub(super) fn to_mesh(p: &Vec3, points: &[Vec3], triangles: &[[u32; 3]]) -> f64 
     triangles.iter().map(of).fold(f64::INFINITY, f64::min)
 }
 
-/// Signed distance to a shape from its geometry: to the middle of a ball, a line of balls, the nearest
-/// of many points on the faces of a box, the outline of what is turned about an axis, the triangles of
-/// a convex mesh.
+/// Signed distance to a shape from its geometry: to the middle of a ball, a line of balls, the
+/// nearest of many points on the faces of a box, the outline of what is turned about an axis, the
+/// triangles of a convex mesh.
 fn to_shape(p_S: &Vec3, shape: &Shape) -> f64 {
     match shape {
         Shape::Sphere { radius } => p_S.norm() - radius,
@@ -80,8 +80,8 @@ fn to_segment(q: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (w[0] - along * u[0]).hypot(w[1] - along * u[1])
 }
 
-/// By search among the points of an ellipsoid, ever nearer to the best: from the direction of p and from the poles on its
-/// side, as deep inside more than one place is nearer than all around it.
+/// By search among the points of an ellipsoid, ever nearer to the best: from the direction of p and
+/// from the poles on its side, as deep inside more than one place is nearer than all around it.
 fn to_ellipsoid(p: &Vec3, half: &Vec3) -> f64 {
     let away = |s: &Vec3| (p - half.component_mul(&s.normalize())).norm();
     let search = |mut best: Vec3| {
@@ -237,7 +237,8 @@ fn a_box_on_a_level_face_has_no_sideways_contacts() {
                 assert!(corners >= 4, "{corners} places hold it");
                 for c in contacts {
                     assert!(c.gap > -sunk - 1e-12, "gap {} at {sunk}", c.gap);
-                    // A vertex may be beside a wall of the box, or nearer to it than below its face.
+                    // A vertex may be beside a wall of the box, or nearer to it than below its
+                    // face.
                     let level = (c.normal_W + Vec3::y()).norm() < 1e-6;
                     assert!(
                         level || c.gap > 0.0 || -c.gap < sunk,

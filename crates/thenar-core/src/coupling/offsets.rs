@@ -6,10 +6,11 @@
 //!   Δ(q) = Σ_s c_s k(q, q_s),    k(p, q) = cos²ⁿ(ρ/2) = (p·q)²ⁿ,
 //! ```
 //!
-//! where ρ is the angle from p to q. A power of a product of quaternions is a positive kernel, smooth everywhere, half a turn
-//! included; with n large enough coefficients exist for any poses of which no two are the same.
-//! Only the relative rotation of two bones enters: a motion of both as one moves a target with them, and the derivative
-//! `T_Δ = ± R̄ Σ c_s γ_sᵀ`, with `∂k = γ_s·(ω_child − ω_parent)`, fills the blocks of those two bones alone.
+//! where ρ is the angle from p to q. A power of a product of quaternions is a positive kernel,
+//! smooth everywhere, half a turn included; with n large enough coefficients exist for any poses of
+//! which no two are the same. Only the relative rotation of two bones enters: a motion of both as
+//! one moves a target with them, and the derivative `T_Δ = ± R̄ Σ c_s γ_sᵀ`, with
+//! `∂k = γ_s·(ω_child − ω_parent)`, fills the blocks of those two bones alone.
 
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::model::PoseOffsets;
@@ -60,7 +61,8 @@ pub struct NodeOffset {
     sample: u32,
     samples: u32,
     coefficient: u32,
-    /// 1 if the node's first bone is the joint's child, else −1: γ acts on `ω_0 − ω_1` by this sign.
+    /// 1 if the node's first bone is the joint's child, else −1: γ acts on `ω_0 − ω_1` by this
+    /// sign.
     sign: f64,
 }
 
@@ -81,8 +83,9 @@ pub struct Posed<'a> {
 }
 
 impl OffsetModel {
-    /// Adds the offsets of one joint: where each of its nodes finds its own. `child_first` tells for each node whether its
-    /// first bone is the joint's child. None where two poses are the same, or nearly so.
+    /// Adds the offsets of one joint: where each of its nodes finds its own. `child_first` tells
+    /// for each node whether its first bone is the joint's child. None where two poses are the
+    /// same, or nearly so.
     pub fn push(
         &mut self,
         given: &PoseOffsets,
@@ -135,8 +138,8 @@ impl OffsetModel {
 }
 
 impl Driver {
-    /// The share of a sample where the bones are. The joint turns by `ω = ω_child − ω_parent`: `q̇ = ½ (Rᵀ ω) q` in the parent's
-    /// frame, `(q·q_s)˙ = ½ (Rᵀ ω)·vec(q_s q*)`.
+    /// The share of a sample where the bones are. The joint turns by `ω = ω_child − ω_parent`:
+    /// `q̇ = ½ (Rᵀ ω) q` in the parent's frame, `(q·q_s)˙ = ½ (Rᵀ ω)·vec(q_s q*)`.
     fn at(&self, poses_WB: &[Pose]) -> impl Fn(&Quat) -> Share {
         let parent = poses_WB[self.parent as usize].rotation;
         let q = parent.inverse() * poses_WB[self.child as usize].rotation * self.rest;
@@ -157,7 +160,8 @@ impl Posed<'_> {
         self.samples(at).fold(Vec3::zeros(), |sum, (share, c)| sum + c[j] * share.amount)
     }
 
-    /// How the offset changes when bone 0 turns against bone 1: `± Σ c_s γ_sᵀ`, from the world to the frame of its bone `j`.
+    /// How the offset changes when bone 0 turns against bone 1: `± Σ c_s γ_sᵀ`, from the world to
+    /// the frame of its bone `j`.
     #[inline]
     pub fn slope(&self, at: &NodeOffset, j: usize) -> Mat3 {
         let outer = |sum, (share, c): (&Share, &[Vec3; 2])| sum + c[j] * share.slope_W.transpose();
@@ -170,10 +174,12 @@ impl Posed<'_> {
     }
 }
 
-/// n, and what solves for coefficients; none where two poses are nearly the same. With n, k falls to `e^−¼` between the
-/// two poses that are closest to each other: a bend that grows with the angle is met within 2 % of its largest between poses 20 to
-/// 35° apart, 5 % where it falls to `e^−½`. Farther from all poses offsets fade, and never swing beyond what was given
-/// by more than a third. About one axis such functions span 2 n + 1 dimensions: n is raised until they tell the poses apart.
+/// n, and what solves for coefficients; none where two poses are nearly the same. With n, k falls
+/// to `e^−¼` between the two poses that are closest to each other: a bend that grows with the angle
+/// is met within 2 % of its largest between poses 20 to 35° apart, 5 % where it falls to `e^−½`.
+/// Farther from all poses offsets fade, and never swing beyond what was given by more than a third.
+/// About one axis such functions span 2 n + 1 dimensions: n is raised until they tell the poses
+/// apart.
 fn interpolation(poses: &[Quat]) -> Option<(i32, Cholesky<f64, Dyn>)> {
     let dot = |i: usize, j: usize| poses[i].coords.dot(&poses[j].coords);
     let count = poses.len();
@@ -192,7 +198,8 @@ fn interpolation(poses: &[Quat]) -> Option<(i32, Cholesky<f64, Dyn>)> {
     None
 }
 
-/// c of all samples, the first of rest, for which Δ is what is wanted at each pose, and zero at rest.
+/// c of all samples, the first of rest, for which Δ is what is wanted at each pose, and zero at
+/// rest.
 fn coefficients(
     kernel: &Cholesky<f64, Dyn>,
     wanted: &[Vec3],
@@ -223,7 +230,8 @@ mod tests {
     }
 
     impl Case {
-        /// A random node by either skinning, its first bone the parent or the child, whose flesh lies anyhow.
+        /// A random node by either skinning, its first bone the parent or the child, whose flesh
+        /// lies anyhow.
         fn new(random: &mut Random, poses: Vec<Quat>, k: usize) -> Self {
             let (rest, mut bound) = random_pair(random);
             bound.pivot = bound.pivot.filter(|_| k.is_multiple_of(2));
@@ -288,7 +296,8 @@ mod tests {
             let poses = some_poses(&mut random, k);
             let case = Case::new(&mut random, poses, k);
             assert!(case.shift(&case.rest).norm() < 1e-12, "{}", case.shift(&case.rest));
-            // Blended bones turn an offset by less than its length; one that both bones turn alike keeps it.
+            // Blended bones turn an offset by less than its length; one that both bones turn alike
+            // keeps it.
             for (pose, offset) in case.given.poses.iter().zip(&case.given.offsets) {
                 let at = case
                     .offsets
@@ -300,7 +309,8 @@ mod tests {
         }
     }
 
-    /// Figure B2: bones turned by up to 179° to each other and pulled 10 mm apart, by either skinning.
+    /// Figure B2: bones turned by up to 179° to each other and pulled 10 mm apart, by either
+    /// skinning.
     #[test]
     fn derivative_matches_finite_differences() {
         let mut random = Random::new(32);
@@ -329,7 +339,8 @@ mod tests {
         }
     }
 
-    /// A force on the target and what it puts on the bones have no net force and no net torque (D4).
+    /// A force on the target and what it puts on the bones have no net force and no net torque
+    /// (D4).
     #[test]
     fn forces_on_target_and_bones_are_in_balance() {
         let mut random = Random::new(10);
@@ -348,7 +359,8 @@ mod tests {
         }
     }
 
-    /// With one pose at 90°, n is 1 and the coefficients are (−2/3, 4/3) of its offset: at 45° both samples have cos² 22.5°.
+    /// With one pose at 90°, n is 1 and the coefficients are (−2/3, 4/3) of its offset: at 45° both
+    /// samples have cos² 22.5°.
     #[test]
     fn between_poses_offsets_follow_the_kernel() {
         let mut random = Random::new(12);
@@ -359,7 +371,8 @@ mod tests {
         assert!((share / whole - expected).abs() < 1e-12, "{share}");
     }
 
-    /// A full turn of the child: half a turn, where linear blending of rotations jumps, is nothing special to offsets.
+    /// A full turn of the child: half a turn, where linear blending of rotations jumps, is nothing
+    /// special to offsets.
     #[test]
     fn offsets_are_smooth_all_round() {
         let mut random = Random::new(13);
@@ -374,7 +387,8 @@ mod tests {
         assert!((at(0) - at(3600)).norm() < 1e-12);
     }
 
-    /// Offsets that grow with the angle, known each 30°, at all angles between: within 2 % of the largest.
+    /// Offsets that grow with the angle, known each 30°, at all angles between: within 2 % of the
+    /// largest.
     #[test]
     fn offsets_that_grow_with_the_angle_do_so_between_poses() {
         let mut random = Random::new(15);
@@ -389,8 +403,8 @@ mod tests {
         }
     }
 
-    /// Offsets that are alike at uneven poses stay so between the near ones, fade between far ones, and swing nowhere beyond
-    /// what was given by more than a third.
+    /// Offsets that are alike at uneven poses stay so between the near ones, fade between far ones,
+    /// and swing nowhere beyond what was given by more than a third.
     #[test]
     fn uneven_poses_do_not_make_offsets_swing() {
         let mut random = Random::new(17);
@@ -406,8 +420,8 @@ mod tests {
         }
     }
 
-    /// A grid of flexion and abduction, 20 and 15° apart: an offset that grows with flexion does so all over the grid,
-    /// within 6 % of its largest.
+    /// A grid of flexion and abduction, 20 and 15° apart: an offset that grows with flexion does so
+    /// all over the grid, within 6 % of its largest.
     #[test]
     fn poses_about_two_axes_are_interpolated() {
         let mut random = Random::new(18);

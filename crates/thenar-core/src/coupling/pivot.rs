@@ -1,8 +1,10 @@
-//! Targets by the pose of two bones: their rotations are blended about the joint that they share, so that a twist
-//! keeps its radius and a bend its depth. Linear blending keeps `cos θ/2` of either at equal weights.
+//! Targets by the pose of two bones: their rotations are blended about the joint that they share,
+//! so that a twist keeps its radius and a bend its depth. Linear blending keeps `cos θ/2` of either
+//! at equal weights.
 //!
-//! With two adjacent bones the centre of rotation that Le and Hodgins (2016) compute for a vertex is the joint. Both
-//! bones carry the node, as in Eq. 6, and the derivative fills the same blocks as that of Eq. 8.
+//! With two adjacent bones the centre of rotation that Le and Hodgins (2016) compute for a vertex
+//! is the joint. Both bones carry the node, as in Eq. 6, and the derivative fills the same blocks
+//! as that of Eq. 8.
 
 use crate::coupling::SkinTarget;
 use crate::math::{Mat3, Pose, Quat, Vec3};
@@ -20,25 +22,29 @@ pub struct Pivot {
 }
 
 impl Pivot {
-    /// What a node at rest in `x_W` turns about where bones that lie at `poses_WB` are joined at `anchors_B`.
+    /// What a node at rest in `x_W` turns about where bones that lie at `poses_WB` are joined at
+    /// `anchors_B`.
     pub fn new(poses_WB: [&Pose; 2], anchors_B: [Vec3; 2], weights: [f64; 2], x_W: &Vec3) -> Self {
         let joint_W = centre(poses_WB, anchors_B, weights).0;
         let rest = poses_WB[1].rotation.inverse() * poses_WB[0].rotation;
         Self { anchors_B, arm_B: poses_WB[0].inverse_vector(&(x_W - joint_W)), rest }
     }
 
-    /// `f = c + R̄ (X − C)` with its derivative. c is the joint, by weight where the bones have it apart. R̄ turns as
-    /// `q̄ = (w_0 q_0 + w_1 q_1) / n` does, the shorter way. A bone that turns by ω turns q̄ by
-    /// `(w/n) (c I − [e]×) ω`, where (c, e) are scalar and vector of `q q̄*`; e of the one bone is
-    /// `κ n / w_0`, that of the other `−κ n / w_1`, with `κ = w_0 w_1 vec(q_0 q_1*) / n²`. Hence
+    /// `f = c + R̄ (X − C)` with its derivative. c is the joint, by weight where the bones have it
+    /// apart. R̄ turns as `q̄ = (w_0 q_0 + w_1 q_1) / n` does, the shorter way. A bone that turns
+    /// by ω turns q̄ by `(w/n) (c I − [e]×) ω`, where (c, e) are scalar and vector of `q q̄*`; e of
+    /// the one bone is `κ n / w_0`, that of the other `−κ n / w_1`, with
+    /// `κ = w_0 w_1 vec(q_0 q_1*) / n²`. Hence
     ///
     /// ```text
     ///   ∂f = Σ w_j (v_j + ω_j × R_j C_j) + (μ_0 ω_0 + μ_1 ω_1 − κ × (ω_0 − ω_1)) × r,    r = R̄ (X − C)
     /// ```
     ///
-    /// with `μ_j = w_j c_j / n` of sum 1, so that a motion of both bones as one moves the target with them.
+    /// with `μ_j = w_j c_j / n` of sum 1, so that a motion of both bones as one moves the target
+    /// with them.
     ///
-    /// `posed` is an offset of X in the first bone's frame with its slope, by which the derivative grows: `R̄ slope (ω_0 − ω_1)`.
+    /// `posed` is an offset of X in the first bone's frame with its slope, by which the derivative
+    /// grows: `R̄ slope (ω_0 − ω_1)`.
     #[inline]
     pub fn target(
         &self,
@@ -159,7 +165,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// Bones turned by up to 179° to each other and pulled 10 mm apart: no derivative leaves out anything.
+    /// Bones turned by up to 179° to each other and pulled 10 mm apart: no derivative leaves out
+    /// anything.
     #[test]
     fn derivative_matches_finite_differences_up_to_half_a_turn() {
         let mut random = Random::new(31);
@@ -187,7 +194,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// A force on the target and what it puts on the bones have no net force and no net torque (D4).
+    /// A force on the target and what it puts on the bones have no net force and no net torque
+    /// (D4).
     #[test]
     fn forces_on_target_and_bones_are_in_balance() {
         let mut random = Random::new(9);
@@ -232,8 +240,9 @@ pub(crate) mod tests {
         assert!((at.norm() / 0.01 - 1.0).abs() < 1e-12);
     }
 
-    /// Figure B4: the child turned to 350°. Below half a turn the target never moves by more than the child's own
-    /// arc; there it changes to the shorter way, by up to twice the radius, and nowhere else.
+    /// Figure B4: the child turned to 350°. Below half a turn the target never moves by more than
+    /// the child's own arc; there it changes to the shorter way, by up to twice the radius, and
+    /// nowhere else.
     #[test]
     fn only_half_a_turn_is_a_jump() {
         let (radius, steps) = (0.01, 3499);

@@ -30,7 +30,8 @@ pub struct SkinTarget {
     pub turning: Turning,
 }
 
-/// Eq. 6, `f_i(q) = Σ_j w_ij (x_j + R_j x_ij)`, or [`Pivot::target`], with x_ij as the pose has it ([`Posed`]).
+/// Eq. 6, `f_i(q) = Σ_j w_ij (x_j + R_j x_ij)`, or [`Pivot::target`], with x_ij as the pose has it
+/// ([`Posed`]).
 #[inline]
 pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose], posed: &Posed<'_>) -> SkinTarget {
     if let Some(pivot) = &bound.pivot {

@@ -52,8 +52,8 @@ pub struct Tally {
 }
 
 impl FleshModel {
-    /// Adds the flesh to `A` and `b`; `row0` is the block row of node 0, `x` and `v` are nodal, `faded` is what
-    /// elements with memory remember.
+    /// Adds the flesh to `A` and `b`; `row0` is the block row of node 0, `x` and `v` are nodal,
+    /// `faded` is what elements with memory remember.
     pub fn assemble(
         &self,
         x: &[Vec3],
@@ -87,8 +87,8 @@ impl FleshModel {
         sums
     }
 
-    /// Elastic energy \[J\] (of elements with memory, what they can give back) and inverted elements at these
-    /// positions.
+    /// Elastic energy \[J\] (of elements with memory, what they can give back) and inverted
+    /// elements at these positions.
     pub fn tally(&self, x: &[Vec3], faded: &[Faded]) -> Tally {
         let mut sums = Tally::default();
         dispatch!(Level::new(), simd => {
@@ -273,16 +273,17 @@ mod tests {
         (61..71).for_each(|seed| {
             check_eights(seed, &law, 0.001, 1e-12);
         });
-        // The stiffness of inverted elements of this law grows without bound where two stretches cancel, and round-off
-        // with it: of these only forces, energy and count are compared.
+        // The stiffness of inverted elements of this law grows without bound where two stretches
+        // cancel, and round-off with it: of these only forces, energy and count are compared.
         (71..81).for_each(|seed| {
             check_eights(seed, &law, 0.004, f64::INFINITY);
         });
     }
 
-    /// Thirty-five elements around eight nodes, eights of each law and three of several, deformed at random by so much
-    /// \[m\], so that some may be inverted: eight at a time they make what they make one by one, the blocks within
-    /// `tolerance` of the largest. Returns how many are inverted.
+    /// Thirty-five elements around eight nodes, eights of each law and three of several, deformed
+    /// at random by so much \[m\], so that some may be inverted: eight at a time they make what
+    /// they make one by one, the blocks within `tolerance` of the largest. Returns how many are
+    /// inverted.
     fn check_eights(seed: u64, laws: &[Law], moved: f64, tolerance: f64) -> u32 {
         let mut random = Random::new(seed);
         let corner =

@@ -1,19 +1,21 @@
-//! Resistance of flesh to being crushed to nothing, or drawn out without end: a fibre pressed under a part of its length, or
-//! drawn beyond what skin bears, resists more.
+//! Resistance of flesh to being crushed to nothing, or drawn out without end: a fibre pressed under
+//! a part of its length, or drawn beyond what skin bears, resists more.
 //!
-//! The corotational law gives way at no thickness with finite force, and comes to rest inside out; and it lets a finger
-//! that is caught by its skin draw it out to ten times its length. Its tetrahedra, in patches or not, add in their
-//! signed principal stretches, with the depth `c = max(s_c − σ, 0) / s_c` and the draw `t = max(σ − s_t, 0)`,
+//! The corotational law gives way at no thickness with finite force, and comes to rest inside out;
+//! and it lets a finger that is caught by its skin draw it out to ten times its length. Its
+//! tetrahedra, in patches or not, add in their signed principal stretches, with the depth
+//! `c = max(s_c − σ, 0) / s_c` and the draw `t = max(σ − s_t, 0)`,
 //!
 //! ```text
 //!   dψ/dσ = E (67 t − 432 c²)  up to c = 1,   E (67 t − 432 (2 c − 1))  beyond,
 //! ```
 //!
-//! each principal stretch by itself: a stress that grows from nothing at `s_c` to `432 E` at no thickness, with a slope
-//! that begins at nothing too, and on along its tangent where the element is inside out. Shapes of which no stretch is
-//! below `s_c` or above `s_t` do not feel it. It
-//! is elastic: no memory fades it, E is the modulus at once, and of damping it has the element's own share of the stiffness, which elements
-//! with memory do not have. The other laws stiffen by themselves, and steps look after what they store (`foresight`).
+//! each principal stretch by itself: a stress that grows from nothing at `s_c` to `432 E` at no
+//! thickness, with a slope that begins at nothing too, and on along its tangent where the element
+//! is inside out. Shapes of which no stretch is below `s_c` or above `s_t` do not feel it. It is
+//! elastic: no memory fades it, E is the modulus at once, and of damping it has the element's own
+//! share of the stiffness, which elements with memory do not have. The other laws stiffen by
+//! themselves, and steps look after what they store (`foresight`).
 
 use crate::flesh::element::{Linear, Principal, Response};
 use crate::flesh::principal::Density;
@@ -23,22 +25,26 @@ use crate::model::Law;
 use crate::solver::BlockMatrix;
 use std::ops::Range;
 
-/// Stretch below which an element resists being crushed: where a foam as dense as bread, a fifth of what its walls are, is
-/// pressed solid, `1.4 ρ/ρ_s` (Gibson and Ashby 1997). Flesh has no pores and is nowhere so flat.
+/// Stretch below which an element resists being crushed: where a foam as dense as bread, a fifth of
+/// what its walls are, is pressed solid, `1.4 ρ/ρ_s` (Gibson and Ashby 1997). Flesh has no pores
+/// and is nowhere so flat.
 const CRUSHED: f64 = 0.3;
-/// Stress at no thickness, over Young's modulus: 21.6 MPa, with which human skin tears (± 8.4 MPa; Ní Annaidh et al. 2012), in a
-/// pulp of 50 kPa. At a stretch of 0.2, a ninth of it acts: 48 E, where Ogden's law, `2 μ / α (s^(α−1) − s^(−α/2−1))` with
-/// `μ = E / 3`, has 69 E for α = 6, the softest of fingertips' flesh (6 to 10). Less gives way
-/// under one edge of a hard body: with 20, growing in proportion, a hand pressed on a toy car by 100 N came to rest inside out.
+/// Stress at no thickness, over Young's modulus: 21.6 MPa, with which human skin tears (± 8.4 MPa;
+/// Ní Annaidh et al. 2012), in a pulp of 50 kPa. At a stretch of 0.2, a ninth of it acts: 48 E,
+/// where Ogden's law, `2 μ / α (s^(α−1) − s^(−α/2−1))` with `μ = E / 3`, has 69 E for α = 6, the
+/// softest of fingertips' flesh (6 to 10). Less gives way under one edge of a hard body: with 20,
+/// growing in proportion, a hand pressed on a toy car by 100 N came to rest inside out.
 const STRESS: f64 = 432.0;
-/// Stretch beyond which an element resists being drawn out: human skin tears at 1.54 ± 0.17, with 83 MPa before it does, seventy
-/// times what it has at first (Ní Annaidh et al. 2012).
+/// Stretch beyond which an element resists being drawn out: human skin tears at 1.54 ± 0.17, with
+/// 83 MPa before it does, seventy times what it has at first (Ní Annaidh et al. 2012).
 const TAUT: f64 = 1.5;
-/// Stiffness of what is drawn out farther, over Young's modulus: with the element's own, those seventy times.
+/// Stiffness of what is drawn out farther, over Young's modulus: with the element's own, those
+/// seventy times.
 const TAUT_STIFFNESS: f64 = 67.0;
 
-/// Changes of the deformation gradient below this are rest. What the expansion leaves out of the energy is of third order,
-/// `432 E (ΔF)³ / (3 s_c²)`: here 2e-12 of E in the element's volume, two hundred times its rounding.
+/// Changes of the deformation gradient below this are rest. What the expansion leaves out of the
+/// energy is of third order, `432 E (ΔF)³ / (3 s_c²)`: here 2e-12 of E in the element's volume, two
+/// hundred times its rounding.
 const STILL: f64 = 1e-5;
 
 impl FleshModel {
@@ -58,7 +64,8 @@ impl FleshModel {
         }
     }
 
-    /// `FleshModel::surprise` of what these elements resist with to being crushed or drawn out \[J\].
+    /// `FleshModel::surprise` of what these elements resist with to being crushed or drawn out
+    /// \[J\].
     pub(super) fn crush_surprise(
         &self,
         tets: Range<usize>,
@@ -99,10 +106,11 @@ fn crushed(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Mat3> {
     suspect(rest, tet, x).filter(is_beyond)
 }
 
-/// The deformation gradient of an element that may be crushed or taut: bounds pass over most that are not. Of positive stretches with the
-/// product J and the sum of squares I the least is at least `2 J / I`. If the largest is above `s_t`, then `I`, at least
-/// `σ² + 2 |J| / σ` of it, is above `s_t² + 2 |J| / s_t` as this grows with σ from the cube root of |J| on; a cube root
-/// above `s_t` tells by itself.
+/// The deformation gradient of an element that may be crushed or taut: bounds pass over most that
+/// are not. Of positive stretches with the product J and the sum of squares I the least is at least
+/// `2 J / I`. If the largest is above `s_t`, then `I`, at least `σ² + 2 |J| / σ` of it, is above
+/// `s_t² + 2 |J| / s_t` as this grows with σ from the cube root of |J| on; a cube root above `s_t`
+/// tells by itself.
 #[inline]
 fn suspect(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Mat3> {
     if rest.law != Law::Corotational {
@@ -115,8 +123,8 @@ fn suspect(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Mat3> {
     (is_crushed || is_taut).then_some(F)
 }
 
-/// True where a stretch is beyond `s_c` or `s_t`, or as near as rounding: none is where the shape is not inside out, and both
-/// `FᵀF - s_c² I` and `s_t² I - FᵀF` are positive definite.
+/// True where a stretch is beyond `s_c` or `s_t`, or as near as rounding: none is where the shape
+/// is not inside out, and both `FᵀF - s_c² I` and `s_t² I - FᵀF` are positive definite.
 fn is_beyond(F: &Mat3) -> bool {
     let squares = F.tr_mul(F);
     let above = |s: f64| squares - Mat3::from_diagonal_element(s * s);
@@ -126,8 +134,8 @@ fn is_beyond(F: &Mat3) -> bool {
     !is_within
 }
 
-/// Stretches this near a bound count as beyond it: rounding moves their squares by less. Where two of them are within 1e-8 of a
-/// bound, on either side, rounding decides: they bear 7e-7 E.
+/// Stretches this near a bound count as beyond it: rounding moves their squares by less. Where two
+/// of them are within 1e-8 of a bound, on either side, rounding decides: they bear 7e-7 E.
 const ROUNDED: f64 = 1.0 + 1e-9;
 
 /// Tells by the leading minors of a symmetric matrix if it is positive definite (Sylvester).
@@ -213,8 +221,9 @@ mod tests {
         assert!(felt > 50, "{felt} of 200 shapes were crushed");
     }
 
-    /// Shapes with a stretch beyond the bounds are looked into, and no others, some of which the cheap test before lets through.
-    /// Shrunk and blown up ones are among them, and such as are inside out.
+    /// Shapes with a stretch beyond the bounds are looked into, and no others, some of which the
+    /// cheap test before lets through. Shrunk and blown up ones are among them, and such as are
+    /// inside out.
     #[test]
     fn crushed_and_taut_shapes_are_looked_into_and_no_others() {
         let (rest, mut random) = (rest(), Random::new(6));
@@ -238,9 +247,9 @@ mod tests {
         assert!(crushed(&rest, &[0, 1, 2, 3], &REST).is_none());
     }
 
-    /// Under a dead load of a hundred Young's moduli a linear fibre between rigid sides would end at
-    /// `s = 1 − 100 (1 + ν)(1 − 2ν) / (1 − ν)`, far inside out; with what resists beside it, where
-    /// `M (1 − s) + 432 E ((s_c − s) / s_c)² = 100 E`.
+    /// Under a dead load of a hundred Young's moduli a linear fibre between rigid sides would end
+    /// at `s = 1 − 100 (1 + ν)(1 − 2ν) / (1 − ν)`, far inside out; with what resists beside it,
+    /// where `M (1 − s) + 432 E ((s_c − s) / s_c)² = 100 E`.
     #[test]
     fn a_load_that_would_turn_an_element_inside_out_flattens_it() {
         let rest = rest();
@@ -268,8 +277,9 @@ mod tests {
         }
     }
 
-    /// Between a quarter and three twentieths of its length an element bears what Ogden's law of flesh does within a factor of
-    /// three, and no more: `2 μ / α (s^(α−1) − s^(−α/2−1))` with α = 6, `μ = E / 3`.
+    /// Between a quarter and three twentieths of its length an element bears what Ogden's law of
+    /// flesh does within a factor of three, and no more: `2 μ / α (s^(α−1) − s^(−α/2−1))` with α =
+    /// 6, `μ = E / 3`.
     #[test]
     fn what_is_crushed_stiffens_as_soft_tissue_does() {
         let ogden = |s: f64| 2.0 / 18.0 * (s.powi(5) - s.powi(-4));
@@ -279,7 +289,8 @@ mod tests {
         }
     }
 
-    /// Stress and stiffness have no steps where crushing begins and where the element has no thickness.
+    /// Stress and stiffness have no steps where crushing begins and where the element has no
+    /// thickness.
     #[test]
     fn crushing_begins_and_goes_on_smoothly() {
         for s in [0.3, 0.0] {
@@ -291,8 +302,9 @@ mod tests {
         }
     }
 
-    /// Under a dead load of five Young's moduli a linear fibre between rigid sides would be drawn out to
-    /// `s = 1 + 5 (1 + ν)(1 − 2ν) / (1 − ν)`; with what resists beside it, to `s = (M + k s_t + 5 E) / (M + k)`.
+    /// Under a dead load of five Young's moduli a linear fibre between rigid sides would be drawn
+    /// out to `s = 1 + 5 (1 + ν)(1 − 2ν) / (1 − ν)`; with what resists beside it, to
+    /// `s = (M + k s_t + 5 E) / (M + k)`.
     #[test]
     fn a_load_that_would_draw_an_element_out_makes_it_taut() {
         let rest = rest();

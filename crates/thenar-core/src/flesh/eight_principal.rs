@@ -1,5 +1,5 @@
-//! The response of eight elements of a law in principal stretches at once, as `element::hyperelastic` has it one by one,
-//! and its sum into the system.
+//! The response of eight elements of a law in principal stretches at once, as
+//! `element::hyperelastic` has it one by one, and its sum into the system.
 
 use crate::flesh::eight::{dealt, minus_sum};
 use crate::flesh::element::positive_part;
@@ -276,7 +276,8 @@ fn minus_three<S: Simd>(a: &Mat3x8<S>, b: &Mat3x8<S>, c: &Mat3x8<S>) -> Mat3x8<S
     )
 }
 
-/// Takes negative eigenvalues out of Hessians. Near rest there are none, which their leading minors tell.
+/// Takes negative eigenvalues out of Hessians. Near rest there are none, which their leading minors
+/// tell.
 #[inline(always)]
 fn keep_positive<S: Simd>(simd: S, law: &mut At<S>) {
     let ([a, b, c], [f, e, d]) = (law.diagonal, law.beside);

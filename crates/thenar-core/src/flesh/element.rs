@@ -134,7 +134,8 @@ pub struct Stress {
     pub lives: bool,
 }
 
-/// An element as a step sees it: its stress and stiffness where the step begins, in the axes of `F = U σ Vᵀ`.
+/// An element as a step sees it: its stress and stiffness where the step begins, in the axes of
+/// `F = U σ Vᵀ`.
 #[derive(Clone, Copy, Debug)]
 pub struct Linear {
     /// `Uᵀ P V` \[Pa\].
@@ -248,8 +249,8 @@ impl Principal {
         }
     }
 
-    /// Stiffness of a pair of axes, against `G_ij² + G_ji²` and against `2 G_ij G_ji`: a twist and a flip (Smith, de
-    /// Goes and Kim 2019), each kept non-negative.
+    /// Stiffness of a pair of axes, against `G_ij² + G_ji²` and against `2 G_ij G_ji`: a twist and
+    /// a flip (Smith, de Goes and Kim 2019), each kept non-negative.
     pub fn twist_flip(&self, i: usize, j: usize) -> [f64; 2] {
         let sum = self.s[i] + self.s[j];
         let both = self.at.stress[i] + self.at.stress[j];
@@ -258,9 +259,9 @@ impl Principal {
         [0.5 * (flip + twist), 0.5 * (flip - twist)]
     }
 
-    /// Stiffness blocks of [`PAIRS`] from the derivative of P in the axes, with `G = Uᵀ dF V`: `stretch` of the
-    /// diagonal of G, and of each pair of axes `[[own, cross]; 3]; 3]`, so that `own[i][j]` goes with `G_ij²` and
-    /// `cross[i][j]` with `G_ij G_ji`.
+    /// Stiffness blocks of [`PAIRS`] from the derivative of P in the axes, with `G = Uᵀ dF V`:
+    /// `stretch` of the diagonal of G, and of each pair of axes `[[own, cross]; 3]; 3]`, so that
+    /// `own[i][j]` goes with `G_ij²` and `cross[i][j]` with `G_ij G_ji`.
     pub fn blocks(&self, rest: &RestTet, stretch: &Mat3, pairs: &[[[f64; 2]; 3]; 3]) -> [Mat3; 10] {
         let U = &self.U;
         let g = rest.gradients.map(|g| self.V.tr_mul(&g));

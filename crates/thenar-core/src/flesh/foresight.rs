@@ -1,13 +1,15 @@
 //! Whether one linearised step was enough for flesh whose stress is not linear.
 //!
-//! A step goes to the least of the incremental energy `Φ = |x - x̃|²_M / (2Δt²) + ψ`, with ψ by its second-order
-//! expansion about the start. There the expansion of Φ has fallen by `D = ½ Δxᵀ (M/Δt² + K) Δx`, so that Φ itself has
-//! not risen as long as what the expansion did not foresee, `ψ(x₁) - ψ(x₀) - ∇ψ·Δx - ½ Δxᵀ K Δx`, is not above D.
-//! Each element is asked by itself, with the motion of its nodes against their mean. For one with memory ψ is the
-//! energy of which the forces of the step's end are the slope (`memory::Increment`).
+//! A step goes to the least of the incremental energy `Φ = |x - x̃|²_M / (2Δt²) + ψ`, with ψ by its
+//! second-order expansion about the start. There the expansion of Φ has fallen by
+//! `D = ½ Δxᵀ (M/Δt² + K) Δx`, so that Φ itself has not risen as long as what the expansion did not
+//! foresee, `ψ(x₁) - ψ(x₀) - ∇ψ·Δx - ½ Δxᵀ K Δx`, is not above D. Each element is asked by itself,
+//! with the motion of its nodes against their mean. For one with memory ψ is the energy of which
+//! the forces of the step's end are the slope (`memory::Increment`).
 //!
-//! Corotational elements are not asked one by one. Summed over a body, the energy of the step falls as long as they rose by no
-//! more beyond `∇ψ·Δx + Δxᵀ K Δx` than `½ |v₁ - v₀|²_M`, which an implicit step takes out ([`FleshModel::surprise`]).
+//! Corotational elements are not asked one by one. Summed over a body, the energy of the step falls
+//! as long as they rose by no more beyond `∇ψ·Δx + Δxᵀ K Δx` than `½ |v₁ - v₀|²_M`, which an
+//! implicit step takes out ([`FleshModel::surprise`]).
 
 use crate::flesh::element::{Linear, Principal};
 use crate::flesh::memory::{Faded, Fading, Increment};
@@ -16,14 +18,16 @@ use crate::math::{Mat3, Vec3};
 use crate::model::{Law, Relaxation};
 use std::ops::Range;
 
-/// Changes of the deformation gradient below this are not looked at: of the energies of the laws asked, their third
-/// order is there a small part of the second (at the exponents of tissue and moderate stretch `α ΔF / 3`).
+/// Changes of the deformation gradient below this are not looked at: of the energies of the laws
+/// asked, their third order is there a small part of the second (at the exponents of tissue and
+/// moderate stretch `α ΔF / 3`).
 pub(super) const CHANGE_SEEN: f64 = 0.05;
 
 impl FleshModel {
-    /// False when the energy of one of these elements rose more, from positions `x0` to `x1` in a step of length `h`
-    /// \[s\], than the step could take out; `faded` is what they remembered at its beginning. Corotational elements
-    /// are asked by [`FleshModel::surprise`], the logarithmic law is not. Skin is.
+    /// False when the energy of one of these elements rose more, from positions `x0` to `x1` in a
+    /// step of length `h` \[s\], than the step could take out; `faded` is what they remembered at
+    /// its beginning. Corotational elements are asked by [`FleshModel::surprise`], the logarithmic
+    /// law is not. Skin is.
     pub fn foresaw(
         &self,
         tets: Range<usize>,
@@ -51,10 +55,12 @@ impl FleshModel {
 }
 
 impl FleshModel {
-    /// What corotational elements among these gained, from positions `x₀` to `x₁` in a step of length `h` \[s\], over what
-    /// the step foresaw and took out \[J\]: `ψ(x₁) - ψ(x₀) - ∇ψ·d - dᵀ K d`, with `faded` what they remembered at its
-    /// beginning. The step's work is that of velocities, `d = h v₁`, along straight ways from `x₀` to the third
-    /// positions; where bones turn, nodes go round to `x₁`, and what that strains of `K` is no work.
+    /// What corotational elements among these gained, from positions `x₀` to `x₁` in a step of
+    /// length `h` \[s\], over what the step foresaw and took out \[J\]:
+    /// `ψ(x₁) - ψ(x₀) - ∇ψ·d - dᵀ K d`, with `faded` what they remembered at its beginning. The
+    /// step's work is that of velocities, `d = h v₁`, along straight ways from `x₀` to the third
+    /// positions; where bones turn, nodes go round to `x₁`, and what that strains of `K` is no
+    /// work.
     pub fn surprise(&self, tets: Range<usize>, x: [&[Vec3]; 3], faded: &[Faded], h: f64) -> f64 {
         let mut fading = Fading::none(h);
         let shared = |range: &Range<usize>| range.start.max(tets.start)..range.end.min(tets.end);
@@ -77,8 +83,8 @@ pub(super) fn is_seen(F0: &Mat3, F1: &Mat3) -> bool {
     (F1 - F0).norm_squared() >= CHANGE_SEEN * CHANGE_SEEN
 }
 
-/// `FleshModel::surprise` of one element or patch \[J/m³\], whose deformation gradient goes from the first to the second,
-/// and would on straight ways go to the third.
+/// `FleshModel::surprise` of one element or patch \[J/m³\], whose deformation gradient goes from
+/// the first to the second, and would on straight ways go to the third.
 pub(super) fn element_surprise(
     rest: &RestTet,
     [F0, F1, straight]: [Mat3; 3],
@@ -101,7 +107,8 @@ pub(super) fn element_surprise(
     risen - slope - curved
 }
 
-/// Surprise of the corotational law, whose stiffness is that at rest, turned with the element, for this foreseen change.
+/// Surprise of the corotational law, whose stiffness is that at rest, turned with the element, for
+/// this foreseen change.
 fn warped_surprise(rest: &RestTet, F: [Mat3; 2], foreseen: &Mat3) -> f64 {
     let R = F.map(|F| rotation_of(&F));
     let strain: [Mat3; 2] = std::array::from_fn(|k| R[k].tr_mul(&F[k]) - Mat3::identity());
@@ -112,13 +119,14 @@ fn warped_surprise(rest: &RestTet, F: [Mat3; 2], foreseen: &Mat3) -> f64 {
     after - before - along(&strain[0], &change) - along(&change, &change)
 }
 
-/// True when the law of an element is one of those that [`FleshModel::foresaw`] asks element by element.
+/// True when the law of an element is one of those that [`FleshModel::foresaw`] asks element by
+/// element.
 pub fn asked(rest: &RestTet) -> bool {
     matches!(rest.law, Law::StableNeoHookean | Law::Ogden { .. })
 }
 
-/// `FleshModel::foresaw` of one element or patch, whose deformation gradient goes from the first to the second; with
-/// what it remembers, and its nodes and their positions \[m\] before and after.
+/// `FleshModel::foresaw` of one element or patch, whose deformation gradient goes from the first to
+/// the second; with what it remembers, and its nodes and their positions \[m\] before and after.
 pub(super) fn element_foresaw(
     rest: &RestTet,
     F: [Mat3; 2],
@@ -173,7 +181,8 @@ mod tests {
         assert!(largest > 0.1, "the motions are too small to tell: {largest}");
     }
 
-    /// A body that is turned as a whole is not strained; one that goes straight on is drawn out, and nothing foresaw it.
+    /// A body that is turned as a whole is not strained; one that goes straight on is drawn out,
+    /// and nothing foresaw it.
     #[test]
     fn turning_on_straight_ways_is_a_surprise() {
         let (rest, angle) = (rest_of(Law::Corotational), 0.3_f64);
@@ -192,7 +201,8 @@ mod tests {
         assert!((drawn - stored).abs() < 1e-9 * stored, "{drawn}");
         // Nodes that go round store nothing, and the work of their velocities is none.
         assert!(surprise(turned, straight).abs() < 1e-9 * stored, "{}", surprise(turned, straight));
-        // Taken for the way of the velocities, the turn would bend inwards, and hide as much of what others gain.
+        // Taken for the way of the velocities, the turn would bend inwards, and hide as much of
+        // what others gain.
         assert!(surprise(turned, turned) < -0.1 * stored, "{}", surprise(turned, turned));
     }
 }

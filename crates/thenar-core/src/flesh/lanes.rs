@@ -1,8 +1,8 @@
 //! Eight tetrahedra side by side: one number of each in the eight lanes of a vector.
 //!
 //! Closures over vectors are marked `#[inline(always)]` and go to functions that are too: one that
-//! the compiler keeps apart is compiled without the vector instructions. `map` and `from_fn` of arrays and adaptors of
-//! iterators are not such functions; [`three`] and loops take their place.
+//! the compiler keeps apart is compiled without the vector instructions. `map` and `from_fn` of
+//! arrays and adaptors of iterators are not such functions; [`three`] and loops take their place.
 
 use crate::flesh::RestTet;
 use crate::flesh::ogden::power_end;

@@ -1,29 +1,31 @@
 //! The shapes in which stress fades, and what becomes of memory outside.
 //!
-//! A term of a relaxation is a spring behind a dashpot. With its energy `gᵢ (ψ(S) - ψ(Sᵥ) - Tᵥ:(S - Sᵥ))`, where
-//! `Tᵥ = pᵢ/gᵢ` is the stress at the stretch Sᵥ that the dashpot has reached, it takes the power
-//! `gᵢ (T - Tᵥ):(S - Sᵥ)/τᵢ` out: never a negative one where ψ is convex in S (Bregman 1967). Corotational elements
-//! are so everywhere. Hyperelastic ones are so for what tissue lives through, and not where they are crushed, blown up
-//! or turned inside out: a memory of such stress drives an element without end.
+//! A term of a relaxation is a spring behind a dashpot. With its energy
+//! `gᵢ (ψ(S) - ψ(Sᵥ) - Tᵥ:(S - Sᵥ))`, where `Tᵥ = pᵢ/gᵢ` is the stress at the stretch Sᵥ that the
+//! dashpot has reached, it takes the power `gᵢ (T - Tᵥ):(S - Sᵥ)/τᵢ` out: never a negative one
+//! where ψ is convex in S (Bregman 1967). Corotational elements are so everywhere. Hyperelastic
+//! ones are so for what tissue lives through, and not where they are crushed, blown up or turned
+//! inside out: a memory of such stress drives an element without end.
 //!
-//! Memory therefore ends where ψ stops being convex, and at the energy of the largest stretches of living tissue, ψ₀.
-//! Outside all stress that can fade has faded, and an element is elastic, with the energy
+//! Memory therefore ends where ψ stops being convex, and at the energy of the largest stretches of
+//! living tissue, ψ₀. Outside all stress that can fade has faded, and an element is elastic, with
+//! the energy
 //!
 //! ```text
 //!   ψ - Σ gᵢ f(ψ),   f = ψ below ψ₀, 2 ψ₀ - ψ₀²/ψ above
 //! ```
 //!
-//! which goes on from `g∞ ψ` with its slope, so that what leads a crushed element back does not fade. Terms that are
-//! given up stored no negative energy: to give them up brings none in.
+//! which goes on from `g∞ ψ` with its slope, so that what leads a crushed element back does not
+//! fade. Terms that are given up stored no negative energy: to give them up brings none in.
 
 use crate::flesh::element::Principal;
 use crate::flesh::ogden::{Jet, power_end};
 use crate::flesh::principal::density;
 use crate::model::Law;
 
-/// Least and largest stretch along one axis that is taken for one of living tissue. Pulled skin fails at 1.54 ± 0.17 (Ní
-/// Annaidh et al. 2012); a pad pressed to 0.4 of its thickness has, at an exponent of 8, eighty times the force of
-/// one pressed to 0.9.
+/// Least and largest stretch along one axis that is taken for one of living tissue. Pulled skin
+/// fails at 1.54 ± 0.17 (Ní Annaidh et al. 2012); a pad pressed to 0.4 of its thickness has, at an
+/// exponent of 8, eighty times the force of one pressed to 0.9.
 const STRETCHES: [f64; 2] = [0.4, 2.0];
 
 /// How far the stress of a law fades.
@@ -37,7 +39,8 @@ impl Living {
     /// Every shape.
     pub const ANY: Self = Self { end: f64::INFINITY };
 
-    /// Shapes in which the stress of a law fades. Those of Ogden's law end where its powers do, if that is earlier.
+    /// Shapes in which the stress of a law fades. Those of Ogden's law end where its powers do, if
+    /// that is earlier.
     pub fn of(law: Law) -> Self {
         let longest = match law {
             Law::Corotational => return Self::ANY,
@@ -68,7 +71,8 @@ impl Living {
 }
 
 impl Principal {
-    /// True when ψ is convex in S here: its second derivative is positive along the axes and against turns of them.
+    /// True when ψ is convex in S here: its second derivative is positive along the axes and
+    /// against turns of them.
     fn is_convex(&self) -> bool {
         let H = &self.at.hessian;
         let minor = H[(0, 0)] * H[(1, 1)] - H[(0, 1)] * H[(1, 0)];
@@ -97,8 +101,8 @@ mod tests {
         Living::of(law).holds(rest.mu, &shape)
     }
 
-    /// Pulled and pressed along one axis, with kept volume and without, sheared by a third; not turned inside out. Hardly
-    /// compressible tissue keeps its memory to larger stretches.
+    /// Pulled and pressed along one axis, with kept volume and without, sheared by a third; not
+    /// turned inside out. Hardly compressible tissue keeps its memory to larger stretches.
     #[test]
     fn tissue_remembers_what_it_lives_through() {
         let tissue = [4.0, 6.5, 8.0, 9.5].map(|alpha| Law::Ogden { alpha });

@@ -1,29 +1,33 @@
 //! Skin: elastic sheets in the tetrahedra that they pass through.
 //!
-//! Skin sticks to flesh, and moves as the linear field of the tetrahedron around it. A piece with the unit tangents
-//! T = (t₁ t₂) is then stretched by `A = F T = Σ_a x_a ⊗ Tᵀ g_a`, a 3×2 matrix, so that its energy `a w(A)` depends on
-//! the four nodes of one tetrahedron: it adds to blocks that are there, and the sum over pieces is the
-//! integral over the true surface, not over that of the elements. (Springs between the corners of a surface's
-//! triangles would join up to twelve nodes each.)
+//! Skin sticks to flesh, and moves as the linear field of the tetrahedron around it. A piece with
+//! the unit tangents T = (t₁ t₂) is then stretched by `A = F T = Σ_a x_a ⊗ Tᵀ g_a`, a 3×2 matrix,
+//! so that its energy `a w(A)` depends on the four nodes of one tetrahedron: it adds to blocks that
+//! are there, and the sum over pieces is the integral over the true surface, not over that of the
+//! elements. (Springs between the corners of a surface's triangles would join up to twelve nodes
+//! each.)
 //!
-//! The law is plane stress, linear in the principal stretches `s₁ ≥ s₂` of A as that of corotational flesh is, around
-//! a tension T₀ at rest, and cannot be pressed together with more than τ \[N/m\]: the sheet then wrinkles, and what it
-//! shortens by wrinkling, p, costs only τ (for τ = 0 this is tension field theory, Reissner 1938, Pipkin 1986):
+//! The law is plane stress, linear in the principal stretches `s₁ ≥ s₂` of A as that of
+//! corotational flesh is, around a tension T₀ at rest, and cannot be pressed together with more
+//! than τ \[N/m\]: the sheet then wrinkles, and what it shortens by wrinkling, p, costs only τ (for
+//! τ = 0 this is tension field theory, Reissner 1938, Pipkin 1986):
 //!
 //! ```text
 //!   e_i = s_i − 1 + e₀,   e₀ = T₀ (1 − ν)/(E t),   τ = E t × wrinkling
 //!   w   = min over p ≥ 0 of  E t/(2 (1 − ν²)) [(e₁+p₁)² + (e₂+p₂)² + 2ν (e₁+p₁)(e₂+p₂)] + τ (p₁ + p₂)
 //! ```
 //!
-//! As the smallest value of a convex function over p, w is convex in the stretches and once differentiable: its stresses are those of the
-//! sheet, none below −τ. The stiffness is the second derivative of w(A) where it is not negative, and zero in the
-//! directions where it is: what a compressed sheet gives way by, buckling out of its plane, is left to the flesh.
+//! As the smallest value of a convex function over p, w is convex in the stretches and once
+//! differentiable: its stresses are those of the sheet, none below −τ. The stiffness is the second
+//! derivative of w(A) where it is not negative, and zero in the directions where it is: what a
+//! compressed sheet gives way by, buckling out of its plane, is left to the flesh.
 //!
-//! A sheet is linear in its stretches but not in its nodes: a turn stretches it by second order, and slack skin snaps
-//! taut. Whether a step overlooked that is asked as of stiffening flesh (`foresight`).
+//! A sheet is linear in its stretches but not in its nodes: a turn stretches it by second order,
+//! and slack skin snaps taut. Whether a step overlooked that is asked as of stiffening flesh
+//! (`foresight`).
 //!
-//! Skin is elastic: it has its element's share of Rayleigh damping and no memory, and no mass of its own, since flesh
-//! fills its place.
+//! Skin is elastic: it has its element's share of Rayleigh damping and no memory, and no mass of
+//! its own, since flesh fills its place.
 
 use crate::flesh::foresight::CHANGE_SEEN;
 use crate::flesh::{FleshModel, Response, RestTet, Tally};
@@ -162,7 +166,8 @@ impl RestPiece {
             *force -= (U[0] * (stress[0] * g[0]) + U[1] * (stress[1] * g[1])) * self.area;
         }
 
-        // Curvature of w along each pair of principal directions, 3×3; positive parts of turns in the plane and out of it.
+        // Curvature of w along each pair of principal directions, 3×3; positive parts of turns in
+        // the plane and out of it.
         let Curved { own, cross, out } = self.law.turned(&s, &stress, shear);
         let [w11, w22, w12] = stretch;
         let outer = |a: &Vec3, b: &Vec3| a * (b.transpose() * self.area);
@@ -192,8 +197,8 @@ impl RestPiece {
         }
     }
 
-    /// What the energy rises by from `x0` to `x1` above its second-order expansion about `x0`, and half of the second
-    /// order \[J\]; nothing where the stretch changes little.
+    /// What the energy rises by from `x0` to `x1` above its second-order expansion about `x0`, and
+    /// half of the second order \[J\]; nothing where the stretch changes little.
     fn surprise(&self, x0: &[Vec3; 4], x1: &[Vec3; 4]) -> [f64; 2] {
         let [before, after] = [x0, x1].map(|x| self.images(x));
         let change = [after[0] - before[0], after[1] - before[1]];
@@ -219,7 +224,8 @@ impl RestPiece {
     }
 }
 
-/// Stiffness against turns \[N/m\]: in the plane as `own (G₁₂² + G₂₁²) + 2 cross G₁₂ G₂₁`, out of it along each direction.
+/// Stiffness against turns \[N/m\]: in the plane as `own (G₁₂² + G₂₁²) + 2 cross G₁₂ G₂₁`, out of
+/// it along each direction.
 struct Curved {
     own: f64,
     cross: f64,

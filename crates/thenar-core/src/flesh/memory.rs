@@ -1,8 +1,8 @@
-//! Tissue with memory: quasi-linear viscoelasticity (Fung 1993, Sec. 7.6) on the stress of an element in its
-//! own rotated frame, where a rigid turn neither makes nor takes stress.
+//! Tissue with memory: quasi-linear viscoelasticity (Fung 1993, Sec. 7.6) on the stress of an
+//! element in its own rotated frame, where a rigid turn neither makes nor takes stress.
 //!
-//! With `F = R S` and the elastic stress `T = Rᵀ P` (Biot's, symmetric for isotropic laws), term i of a
-//! relaxation has let the part p of it fade,
+//! With `F = R S` and the elastic stress `T = Rᵀ P` (Biot's, symmetric for isotropic laws), term i
+//! of a relaxation has let the part p of it fade,
 //!
 //! ```text
 //!   T_now = T - Σ pᵢ,   ṗᵢ = (gᵢ T - pᵢ) / τᵢ
@@ -21,13 +21,14 @@
 //!   (1 - Σ gᵢ (1 - dᵢ)) T₀ - Σ dᵢ pᵢ + (1 - Σ gᵢ (1 - cᵢ)) (T₁ - T₀)
 //! ```
 //!
-//! so that the stiffness of an element is an elastic one times a number in (g∞, 1): no other pattern, and as
-//! definite as before. There is no geometric part, which would act on absolute velocities and brake a spin. With
-//! dᵢ ≤ cᵢ ≤ 1 a linear material gives back no more than was put in: `c² - 2c + d² ≤ 0`.
+//! so that the stiffness of an element is an elastic one times a number in (g∞, 1): no other
+//! pattern, and as definite as before. There is no geometric part, which would act on absolute
+//! velocities and brake a spin. With dᵢ ≤ cᵢ ≤ 1 a linear material gives back no more than was put
+//! in: `c² - 2c + d² ≤ 0`.
 //!
-//! A stress M that is not along the axes of S is the force `P = R (M + A)` with the skew part A that makes
-//! `P Fᵀ` symmetric: without it an element would turn itself. In the axes of S, with stretches σ,
-//! `(M + A)_ij = M_ij 2σᵢ/(σᵢ + σⱼ)`.
+//! A stress M that is not along the axes of S is the force `P = R (M + A)` with the skew part A
+//! that makes `P Fᵀ` symmetric: without it an element would turn itself. In the axes of S, with
+//! stretches σ, `(M + A)_ij = M_ij 2σᵢ/(σᵢ + σⱼ)`.
 //!
 //! Stress fades in living shapes only: see [`living`](crate::flesh::living).
 
@@ -41,7 +42,8 @@ use std::ops::Range;
 /// Energies below this part of the shear modulus are mostly round-off: that of a strain of 1e-6.
 const ROUNDED: f64 = 1e-12;
 
-/// Stress that has faded by one term of one element \[Pa\]: xx, yy, zz, yz, zx, xy in its rest frame.
+/// Stress that has faded by one term of one element \[Pa\]: xx, yy, zz, yz, zx, xy in its rest
+/// frame.
 pub type Faded = [f64; 6];
 
 /// The elements that have memory, and its places in the state.
@@ -104,9 +106,9 @@ impl MemoryModel {
         !self.is_empty() && self.start[tets.start] < self.start[tets.end]
     }
 
-    /// The memory of `old` in these elements: as far relaxed as before, relative to moduli and weights.
-    /// The same number of terms stays term by term; otherwise each term is as far as all were together.
-    /// `stiffer` is the ratio of an element's moduli to what they were.
+    /// The memory of `old` in these elements: as far relaxed as before, relative to moduli and
+    /// weights. The same number of terms stays term by term; otherwise each term is as far as all
+    /// were together. `stiffer` is the ratio of an element's moduli to what they were.
     pub fn carry_over(
         &self,
         old: &Self,
@@ -187,8 +189,9 @@ impl Fading {
         self
     }
 
-    /// Moves what has faded to the end of a step of an element with this shear modulus \[Pa\]. Outside of what tissue
-    /// lives through, and where it comes back from there, all has faded that can.
+    /// Moves what has faded to the end of a step of an element with this shear modulus \[Pa\].
+    /// Outside of what tissue lives through, and where it comes back from there, all has faded that
+    /// can.
     pub fn remember(&self, mu: f64, faded: &mut [Faded], before: &Stress, after: &Stress) {
         if before.lives && after.lives {
             return self.advance(faded, &before.biot, &after.biot);
@@ -229,8 +232,8 @@ fn entries(of: &Mat3) -> Faded {
     [of[(0, 0)], of[(1, 1)], of[(2, 2)], of[(1, 2)], of[(0, 2)], of[(0, 1)]]
 }
 
-/// An element with memory as a step sees it: forces of the stress that would be left at its end if nothing moved,
-/// energy that it can give back, and its stiffness.
+/// An element with memory as a step sees it: forces of the stress that would be left at its end if
+/// nothing moved, energy that it can give back, and its stiffness.
 pub fn respond(
     rest: &RestTet,
     F: &Mat3,
@@ -247,22 +250,24 @@ pub fn respond(
 
 /// A step of an element with memory, from the shape in which it begins.
 ///
-/// In living shapes its stiffness is that of the stress against the stretch alone, `dT/dS : dS`, with in the axes of S
+/// In living shapes its stiffness is that of the stress against the stretch alone, `dT/dS : dS`,
+/// with in the axes of S
 ///
 /// ```text
 ///   dS_ij = (σᵢ G_ij + σⱼ G_ji) / (|σᵢ| + |σⱼ|),   dT_ij = (Tᵢ - Tⱼ)/(σᵢ - σⱼ) dS_ij
 /// ```
 ///
-/// which vanishes for any turn. (The twist of the elastic law, `(Tᵢ + Tⱼ)/(σᵢ + σⱼ)`, goes with stress that may
-/// have faded, and the warped stiffness of small strain does not vanish for a turn of a body that rests
-/// strained: either would brake its spin.)
+/// which vanishes for any turn. (The twist of the elastic law, `(Tᵢ + Tⱼ)/(σᵢ + σⱼ)`, goes with
+/// stress that may have faded, and the warped stiffness of small strain does not vanish for a turn
+/// of a body that rests strained: either would brake its spin.)
 #[derive(Clone, Copy, Debug)]
 pub struct Increment<'a> {
     /// Stress and stiffness at its beginning.
     pub linear: Linear,
     /// Elastic stress T₀ at the beginning of the step \[Pa\].
     biot: Mat3,
-    /// Stress that is left of T₀ whatever the end, less what has faded: `M = (kept - tangent) T₀ - Σ dᵢ pᵢ`.
+    /// Stress that is left of T₀ whatever the end, less what has faded:
+    /// `M = (kept - tangent) T₀ - Σ dᵢ pᵢ`.
     held: Mat3,
     lives: bool,
     mu: f64,
@@ -290,8 +295,9 @@ impl<'a> Increment<'a> {
         Increment { linear, biot, held, lives, mu, fading }
     }
 
-    /// The energy density of which the forces of the step's end are the slope \[J/m³\], at a shape where it may end:
-    /// `tangent ψ + M : S`, or that of the law outside of what tissue lives through.
+    /// The energy density of which the forces of the step's end are the slope \[J/m³\], at a shape
+    /// where it may end: `tangent ψ + M : S`, or that of the law outside of what tissue lives
+    /// through.
     pub fn energy(&self, shape: &Principal) -> f64 {
         let Self { fading, mu, .. } = self;
         match self.lives {
@@ -336,8 +342,8 @@ fn all_faded(shape: &Principal, fading: &Fading, mu: f64) -> Linear {
     Linear { stretch: positive_part(&hessian), ..Linear::elastic(shape, part) }
 }
 
-/// `M + A` of a stress M in the axes of S. In an inverted element, whose σ₃ < 0, `|σᵢ| + |σⱼ|` divides instead of
-/// the sum, so that nothing grows where a sum vanishes.
+/// `M + A` of a stress M in the axes of S. In an inverted element, whose σ₃ < 0, `|σᵢ| + |σⱼ|`
+/// divides instead of the sum, so that nothing grows where a sum vanishes.
 fn balanced(s: &[f64; 3], M: &Mat3) -> Mat3 {
     Mat3::from_fn(|i, j| {
         let sum = s[i].abs() + s[j].abs();
@@ -349,8 +355,9 @@ fn balanced(s: &[f64; 3], M: &Mat3) -> Mat3 {
     })
 }
 
-/// Energy that an element with memory can still give back \[J/m³\]: `g∞ ψ` and that of its terms' springs,
-/// `qᵢ = gᵢ T - pᵢ` by the compliance of small strain over gᵢ, less where the law has stiffened: T itself has ψ.
+/// Energy that an element with memory can still give back \[J/m³\]: `g∞ ψ` and that of its terms'
+/// springs, `qᵢ = gᵢ T - pᵢ` by the compliance of small strain over gᵢ, less where the law has
+/// stiffened: T itself has ψ.
 pub fn energy(rest: &RestTet, relaxation: &Relaxation, at: &Stress, faded: &[Faded]) -> f64 {
     if !at.lives {
         let [share, ..] = Living::of(rest.law).share(rest.mu, at.energy);

@@ -1,20 +1,22 @@
-//! Ogden's law of one term (Ogden 1972), nearly incompressible, and finite for every deformation gradient.
+//! Ogden's law of one term (Ogden 1972), nearly incompressible, and finite for every deformation
+//! gradient.
 //!
 //! ```text
 //!   ψ = 2μ/α² (g(J) Σ |σᵢ|^α - 3) + κ'/2 (J - 1)²,   g(J) = exp(α/3 (1 - J)),   κ' = λ + 2μ/3 + 2μ/α
 //! ```
 //!
-//! The usual factor is `J^(-α/3)`, which parts the change of shape from that of volume and has no value for
-//! inverted elements; g has the same value and slope at J = 1, so that both become Ogden's `2μ/α² (Σσ^α - 3)` where
-//! volume is kept, and κ' gives small strains the moduli λ and μ. For J < 0 g goes on by its second-order
-//! expansion about 0, and `σ^α` above 1000 about the stretch where it is that (2.4 for α = 8, past what tissue
-//! bears), so that nothing overflows.
+//! The usual factor is `J^(-α/3)`, which parts the change of shape from that of volume and has no
+//! value for inverted elements; g has the same value and slope at J = 1, so that both become
+//! Ogden's `2μ/α² (Σσ^α - 3)` where volume is kept, and κ' gives small strains the moduli λ and μ.
+//! For J < 0 g goes on by its second-order expansion about 0, and `σ^α` above 1000 about the
+//! stretch where it is that (2.4 for α = 8, past what tissue bears), so that nothing overflows.
 //!
-//! An element that is inverted (σ₃ < 0) is pushed right: every term of ∂ψ/∂σ₃ is negative then. One that is crushed
-//! evenly to a stretch s < 1 is pushed apart, whatever s: with y = s³ and a = α/3 its pressure has the sign of
-//! `1 + κα/(2μ) - y^(a-1) e^(a(1-y))`, whose last part is at most `((a-1)/a)^(a-1) e`: 1.71 for α = 4, less for
-//! more, and the first two are `1 + a` at least where ν ≥ 0. Hence the bounds on α and ν; the neo-Hookean laws are
-//! those for α = 2. No convexity in F is claimed: the tangent is projected, as for the other laws.
+//! An element that is inverted (σ₃ < 0) is pushed right: every term of ∂ψ/∂σ₃ is negative then. One
+//! that is crushed evenly to a stretch s < 1 is pushed apart, whatever s: with y = s³ and a = α/3
+//! its pressure has the sign of `1 + κα/(2μ) - y^(a-1) e^(a(1-y))`, whose last part is at most
+//! `((a-1)/a)^(a-1) e`: 1.71 for α = 4, less for more, and the first two are `1 + a` at least where
+//! ν ≥ 0. Hence the bounds on α and ν; the neo-Hookean laws are those for α = 2. No convexity in F
+//! is claimed: the tangent is projected, as for the other laws.
 
 use crate::flesh::principal::Density;
 use crate::math::Mat3;

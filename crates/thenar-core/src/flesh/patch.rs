@@ -1,7 +1,7 @@
 //! Patches of tetrahedra that share one evaluation of their law.
 //!
-//! Linear tetrahedra lock: each is asked to keep its volume, and bends as if it were far stiffer. A patch
-//! is asked once for all its tetrahedra, at their mean deformation gradient
+//! Linear tetrahedra lock: each is asked to keep its volume, and bends as if it were far stiffer. A
+//! patch is asked once for all its tetrahedra, at their mean deformation gradient
 //! `F̄ = Σ_e w_e F_e = Σ_a x_a ⊗ ḡ_a`, and what they deviate from it costs little:
 //!
 //! ```text
@@ -10,11 +10,12 @@
 //!
 //! The first term is a tetrahedron's with more nodes, the second a constant quadratic form with one
 //! number per pair of nodes. Neither changes when the patch turns, both have positive semi-definite
-//! stiffness, and rigid motions are the only ones that cost nothing. The weights w_e are the elements'
-//! shares of the patch's shear stiffness, so that elements the body fills in part count in part.
+//! stiffness, and rigid motions are the only ones that cost nothing. The weights w_e are the
+//! elements' shares of the patch's shear stiffness, so that elements the body fills in part count
+//! in part.
 //!
-//! A patch has one memory, of its mean stress. What its elements deviate by is elastic: its modulus is then that
-//! which stays for ever, `g∞ E`, so that relaxed tissue is not held by it.
+//! A patch has one memory, of its mean stress. What its elements deviate by is elastic: its modulus
+//! is then that which stays for ever, `g∞ E`, so that relaxed tissue is not held by it.
 
 use crate::flesh::element::{Response, stress};
 use crate::flesh::foresight::{asked, element_foresaw, element_surprise, is_seen};
@@ -30,9 +31,9 @@ use fearless_simd::Simd;
 use std::ops::Range;
 
 /// Stiffness against what elements deviate from their patch's mean, relative to Young's modulus.
-/// Measured on the bars of `tests/all/flesh/element_patches.rs`: three cubes thick they are 3 to 8 % stiffer than
-/// refined ones. Twice as much adds 1 to 2 %, two fifths of it take 1 % away, and nothing else holds the
-/// elements of a patch in shape.
+/// Measured on the bars of `tests/all/flesh/element_patches.rs`: three cubes thick they are 3 to 8
+/// % stiffer than refined ones. Twice as much adds 1 to 2 %, two fifths of it take 1 % away, and
+/// nothing else holds the elements of a patch in shape.
 pub const SPREAD: f64 = 0.05;
 
 /// All patches, nodes numbered through all deformable bodies.
@@ -231,7 +232,8 @@ impl Patches {
         })
     }
 
-    /// `FleshModel::surprise` of the laws of patches among these tetrahedra \[J\]; their spread is foreseen.
+    /// `FleshModel::surprise` of the laws of patches among these tetrahedra \[J\]; their spread is
+    /// foreseen.
     pub fn surprise(
         &self,
         memory: &MemoryModel,
@@ -390,7 +392,8 @@ impl Patches {
         self.spread[patch.pairs..patch.pairs + count * count].chunks(count)
     }
 
-    /// The force by which the spread pulls a node back \[N\]; positions relative to the first node lose no digits.
+    /// The force by which the spread pulls a node back \[N\]; positions relative to the first node
+    /// lose no digits.
     fn spread_force(&self, nodes: &[u32], row: &[f64], x: &[Vec3], x0: &Vec3) -> Vec3 {
         nodes.iter().zip(row).map(|(&n, s)| (x[n as usize] - x0) * *s).sum()
     }

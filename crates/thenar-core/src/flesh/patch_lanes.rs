@@ -1,7 +1,8 @@
 //! Eight corotational patches at once, as `flesh/eight.rs` does with tetrahedra.
 //!
 //! With the mean gradients in the present frame, `ḡ' = R ḡ`, the stiffness between two nodes is
-//! `V (λ ḡ'_a ḡ'_bᵀ + μ ḡ'_b ḡ'_aᵀ) + s_ab I`, where `s_ab`, shear and spread together, never changes.
+//! `V (λ ḡ'_a ḡ'_bᵀ + μ ḡ'_b ḡ'_aᵀ) + s_ab I`, where `s_ab`, shear and spread together, never
+//! changes.
 
 use crate::flesh::Tally;
 use crate::flesh::eight::{dealt, inner};
@@ -16,8 +17,8 @@ pub const NODES: usize = 6;
 
 type Numbers = [f64; LANES];
 
-/// Eight patches; the last is repeated where there are fewer, and a patch's first node where it has fewer than
-/// six, without weight.
+/// Eight patches; the last is repeated where there are fewer, and a patch's first node where it has
+/// fewer than six, without weight.
 #[derive(Clone, Debug)]
 pub struct PatchLanes {
     /// Number of patches.
@@ -57,8 +58,8 @@ struct Evaluated<S: Simd> {
 }
 
 impl PatchLanes {
-    /// Adds energies; calls `crushed` with the numbers of the patches of which a tetrahedron may be inverted:
-    /// a matrix nearer to a rotation than 1 is none that inverts.
+    /// Adds energies; calls `crushed` with the numbers of the patches of which a tetrahedron may be
+    /// inverted: a matrix nearer to a rotation than 1 is none that inverts.
     #[inline(always)]
     pub fn tally<S: Simd>(
         &self,
@@ -153,8 +154,8 @@ impl PatchLanes {
         }
     }
 
-    /// Adds `(h² + h β) K` to `A` and `h F` to the nodal `b`, patch after patch; `places` has the rows of blocks of
-    /// each patch in turn.
+    /// Adds `(h² + h β) K` to `A` and `h F` to the nodal `b`, patch after patch; `places` has the
+    /// rows of blocks of each patch in turn.
     #[inline(always)]
     pub fn assemble<'a, S: Simd>(
         &self,
@@ -175,7 +176,8 @@ impl PatchLanes {
         let lambda = f64x8::load_array_ref(simd, &self.lambda) * volume;
         let mu = f64x8::load_array_ref(simd, &self.mu) * volume;
 
-        // As in `eight::assemble`: a block is its first eight numbers, column by column, and its last.
+        // As in `eight::assemble`: a block is its first eight numbers, column by column, and its
+        // last.
         let (g, f) = (&at.gradients, &at.forces);
         let mut down = [[[0.0; LANES]; LANES]; NODES];
         let mut across = [[[0.0; LANES]; LANES]; NODES];

@@ -13,10 +13,11 @@ pub enum Law {
     NeoHookean,
     /// Neo-Hookean that stays finite when an element inverts (Smith et al. 2018).
     StableNeoHookean,
-    /// Ogden's of one term, `2μ/α² (Σσᵢ^α − 3)` where volume is kept, that stays finite when an element inverts:
-    /// stiffens with stretch.
+    /// Ogden's of one term, `2μ/α² (Σσᵢ^α − 3)` where volume is kept, that stays finite when an
+    /// element inverts: stiffens with stretch.
     Ogden {
-        /// Exponent, in [`OGDEN_ALPHA`](crate::model::OGDEN_ALPHA). Poisson's ratio is then not negative.
+        /// Exponent, in [`OGDEN_ALPHA`](crate::model::OGDEN_ALPHA). Poisson's ratio is then not
+        /// negative.
         alpha: f64,
     },
 }
@@ -33,8 +34,8 @@ impl Law {
     }
 }
 
-/// Bounds of Ogden's exponent. Below 4 a crushed element could come to rest; above 20, past what is reported of
-/// tissue, a flattened one is stiffer than at rest by more than `exp(α/3)` = 800.
+/// Bounds of Ogden's exponent. Below 4 a crushed element could come to rest; above 20, past what is
+/// reported of tissue, a flattened one is stiffer than at rest by more than `exp(α/3)` = 800.
 pub const OGDEN_ALPHA: [f64; 2] = [4.0, 20.0];
 
 /// The material of one element.
@@ -74,11 +75,13 @@ pub struct Binding {
 /// How the two bones of a node place its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Skinning {
-    /// Linear blending of places (Eq. 6), the paper's: loses radius in a twist, and depth in a bend.
+    /// Linear blending of places (Eq. 6), the paper's: loses radius in a twist, and depth in a
+    /// bend.
     #[default]
     Linear,
-    /// Blending of rotations about the joint that the bones share. Bones turned by more than half a turn to each
-    /// other, from the rest pose, are blended the shorter way: at half a turn a target jumps.
+    /// Blending of rotations about the joint that the bones share. Bones turned by more than half a
+    /// turn to each other, from the rest pose, are blended the shorter way: at half a turn a target
+    /// jumps.
     Joint,
 }
 
@@ -96,8 +99,8 @@ pub struct Flesh {
     pub relaxation: Vec<Relaxation>,
     /// Rayleigh damping: `D = mass_damping M + stiffness_damping K`. This one \[1/s\].
     pub mass_damping: f64,
-    /// Rayleigh damping \[s\]. Elements with memory have none of this: their relaxation damps them, and
-    /// nothing is to be damped twice.
+    /// Rayleigh damping \[s\]. Elements with memory have none of this: their relaxation damps them,
+    /// and nothing is to be damped twice.
     pub stiffness_damping: f64,
     /// Held nodes.
     pub fixed: Vec<FixedNode>,

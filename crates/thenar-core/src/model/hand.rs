@@ -174,8 +174,8 @@ pub struct HandModel {
     pub flesh: Flesh,
     /// One binding per flesh node.
     pub bindings: Vec<Binding>,
-    /// Volume of embedded body that each node stands for \[m³\]; where the coupling is uniform, a node's
-    /// stiffness is `coupling stiffness per volume × this`.
+    /// Volume of embedded body that each node stands for \[m³\]; where the coupling is uniform, a
+    /// node's stiffness is `coupling stiffness per volume × this`.
     pub node_volumes: Vec<f64>,
     /// Fine surface for drawing.
     pub render: EmbeddedSurface,
@@ -191,21 +191,24 @@ pub struct HandModel {
     pub bone_nodes: Vec<BoneNode>,
     /// Region of each collision triangle; empty in models of earlier versions.
     pub regions: Vec<HandRegion>,
-    /// Nodes that stand for nails and their beds, which are grown to the last bones, ascending; a node may
-    /// stand for bone too.
+    /// Nodes that stand for nails and their beds, which are grown to the last bones, ascending; a
+    /// node may stand for bone too.
     pub nail_nodes: Vec<BoneNode>,
-    /// Stiffness of the flesh against turns of the joints \[N m/rad\]: a symmetric matrix, row by row, over all axes of
-    /// the joints ([`HandModel::axes`]); the secant about rest. Empty where it was not measured.
+    /// Stiffness of the flesh against turns of the joints \[N m/rad\]: a symmetric matrix, row by
+    /// row, over all axes of the joints ([`HandModel::axes`]); the secant about rest. Empty where
+    /// it was not measured.
     pub bending: Vec<f64>,
 }
 
 /// Springs per volume of flesh of the paper's coupling \[N/m⁴\].
 const UNIFORM_STIFFNESS: f64 = 2e9;
-/// Springs per volume of bone, over Young's modulus of the flesh and the inverse squared length of the hand.
+/// Springs per volume of bone, over Young's modulus of the flesh and the inverse squared length of
+/// the hand.
 ///
-/// Under 10 N on a pad bone may yield a twentieth of what the flesh over it does. A pad sinks by 3 mm then, in a
-/// hand of L = 190 mm and E = 50 kPa: like a spring of 0.35 E L. The least solid under a pad, that of the
-/// little finger, has v = 3.2e-5 L³ (0.22 ml). From `κ v ≥ 20 · 0.35 E L` follows `κ ≥ 2.2e5 E/L²`.
+/// Under 10 N on a pad bone may yield a twentieth of what the flesh over it does. A pad sinks by 3
+/// mm then, in a hand of L = 190 mm and E = 50 kPa: like a spring of 0.35 E L. The least solid
+/// under a pad, that of the little finger, has v = 3.2e-5 L³ (0.22 ml). From `κ v ≥ 20 · 0.35 E L`
+/// follows `κ ≥ 2.2e5 E/L²`.
 const BONE_STIFFNESS: f64 = 2.2e5;
 
 impl HandModel {
@@ -215,9 +218,9 @@ impl HandModel {
         joints.flat_map(|(j, joint)| (0..joint.kind.angles()).map(move |k| (j, k)))
     }
 
-    /// Springs per volume when a scene gives none \[N/m⁴\]: per volume of flesh, or of bone. Those in
-    /// bone are proportional to the flesh's largest modulus and to the inverse squared length of the
-    /// hand, so that hands of all sizes and moduli yield in the same proportions.
+    /// Springs per volume when a scene gives none \[N/m⁴\]: per volume of flesh, or of bone. Those
+    /// in bone are proportional to the flesh's largest modulus and to the inverse squared length of
+    /// the hand, so that hands of all sizes and moduli yield in the same proportions.
     pub fn usual_coupling_stiffness(&self, kind: CouplingKind) -> f64 {
         match kind {
             CouplingKind::Uniform => UNIFORM_STIFFNESS,
@@ -228,8 +231,8 @@ impl HandModel {
         }
     }
 
-    /// Binding of every node and the volume by which its spring holds it \[m³\]; 0 leaves it free. With `nails`, flesh
-    /// that hangs on bone is held in nails and their beds too.
+    /// Binding of every node and the volume by which its spring holds it \[m³\]; 0 leaves it free.
+    /// With `nails`, flesh that hangs on bone is held in nails and their beds too.
     pub fn held(&self, kind: CouplingKind, nails: bool) -> (Vec<Binding>, Vec<f64>) {
         let mut bindings = self.bindings.clone();
         if kind == CouplingKind::Uniform {

@@ -16,8 +16,8 @@ pub enum JointKind {
     Universal,
     /// Turns freely about a common point: 3 rows.
     Ball,
-    /// Six freedoms, no rows, no springs: the two bodies are neighbours (they may share flesh and do
-    /// not touch each other).
+    /// Six freedoms, no rows, no springs: the two bodies are neighbours (they may share flesh and
+    /// do not touch each other).
     Free,
 }
 

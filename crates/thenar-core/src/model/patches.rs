@@ -14,11 +14,11 @@ pub struct ElementPatches {
     pub of_tet: Vec<u32>,
 }
 
-/// Tetrahedra that a patch has at most. Four fill the octahedron of a body-centred lattice, eight that
-/// of a lattice whose ring of four edges is halved.
+/// Tetrahedra that a patch has at most. Four fill the octahedron of a body-centred lattice, eight
+/// that of a lattice whose ring of four edges is halved.
 pub const PATCH_TETS_MAX: usize = 8;
-/// Edges shorter than the longest by less than this part are long too: half of what the short edges of a
-/// body-centred lattice, √3/2 of the long ones, are shorter.
+/// Edges shorter than the longest by less than this part are long too: half of what the short edges
+/// of a body-centred lattice, √3/2 of the long ones, are shorter.
 const SAME_LENGTH: f64 = 0.067;
 /// Tetrahedra of an octahedron of the body-centred lattice.
 const OCTAHEDRON: usize = 4;
@@ -26,11 +26,11 @@ pub(super) const NONE: u32 = u32::MAX;
 /// The edges of a tetrahedron, by its corners.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
-/// The patch of each tetrahedron: those around one edge that is the longest, or as long as it, of each.
-/// In a body-centred lattice the four tetrahedra around an edge between two centres form an octahedron
-/// (of the two families of long edges, the one that the first tetrahedron chooses). A tetrahedron that is
-/// left alone joins the neighbouring patch with which it shares most faces. A patch has one
-/// law and one relaxation (`relaxation` has one per tetrahedron, or none at all).
+/// The patch of each tetrahedron: those around one edge that is the longest, or as long as it, of
+/// each. In a body-centred lattice the four tetrahedra around an edge between two centres form an
+/// octahedron (of the two families of long edges, the one that the first tetrahedron chooses). A
+/// tetrahedron that is left alone joins the neighbouring patch with which it shares most faces. A
+/// patch has one law and one relaxation (`relaxation` has one per tetrahedron, or none at all).
 ///
 /// Deterministic: depends on the order of the tetrahedra and on their shapes alone.
 ///
@@ -100,7 +100,8 @@ impl<'a> Grouping<'a> {
         }
     }
 
-    /// True when around one of the tetrahedron's long edges there are as many tetrahedra as around that of a lattice.
+    /// True when around one of the tetrahedron's long edges there are as many tetrahedra as around
+    /// that of a lattice.
     fn is_inside(&self, t: u32) -> bool {
         self.axes[t as usize].iter().any(|&axis| self.free_around(axis).count() >= 4)
     }
@@ -132,7 +133,8 @@ impl<'a> Grouping<'a> {
         }
     }
 
-    /// The long edge that fits the roles known so far best, then that with most free tetrahedra around.
+    /// The long edge that fits the roles known so far best, then that with most free tetrahedra
+    /// around.
     fn axis_of(&self, t: u32) -> [u32; 2] {
         let fit = |axis: &[u32; 2]| -> i32 {
             axis.iter()
@@ -149,8 +151,8 @@ impl<'a> Grouping<'a> {
         axes.rev().max_by_key(key).unwrap_or([NONE; 2])
     }
 
-    /// The free tetrahedra of one law and relaxation around an axis, or, of more than make an octahedron, a half that hangs
-    /// together by faces.
+    /// The free tetrahedra of one law and relaxation around an axis, or, of more than make an
+    /// octahedron, a half that hangs together by faces.
     fn members(&self, t: u32, axis: [u32; 2]) -> Vec<u32> {
         let around: Vec<u32> = self.free_around(axis).filter(|&m| self.are_alike(m, t)).collect();
         if (1..=OCTAHEDRON).contains(&around.len()) {

@@ -63,7 +63,8 @@ impl Relaxation {
     /// From weight and time \[s\] of each term.
     ///
     /// # Errors
-    /// There are more than [`TERMS_MAX`], a number is not positive, or the weights sum to 1 or more.
+    /// There are more than [`TERMS_MAX`], a number is not positive, or the weights sum to 1 or
+    /// more.
     pub fn new(terms: &[[f64; 2]]) -> Result<Self, RelaxationError> {
         if terms.len() > TERMS_MAX {
             return Err(RelaxationError::Terms(terms.len()));

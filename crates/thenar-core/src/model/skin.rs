@@ -4,8 +4,8 @@ use crate::math::Vec3;
 use crate::model::EmbeddedSurface;
 use crate::model::patches::{NONE, behind_faces};
 
-/// A sheet of skin of one kind. In its plane it is linear in the stretches, as corotational flesh is; where it is
-/// pressed together further than `wrinkling`, it wrinkles and resists no more.
+/// A sheet of skin of one kind. In its plane it is linear in the stretches, as corotational flesh
+/// is; where it is pressed together further than `wrinkling`, it wrinkles and resists no more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sheet {
     /// Thickness \[m\].
@@ -16,14 +16,15 @@ pub struct Sheet {
     pub poisson: f64,
     /// Tension in the rest shape, along every direction \[N/m\].
     pub pretension: f64,
-    /// Strain at which the sheet wrinkles, counted from where it is slack; 0 resists no compression at all. It wrinkles
-    /// at a stress of `young × wrinkling`.
+    /// Strain at which the sheet wrinkles, counted from where it is slack; 0 resists no compression
+    /// at all. It wrinkles at a stress of `young × wrinkling`.
     pub wrinkling: f64,
 }
 
 impl Sheet {
-    /// Strain at which a stiff sheet on a soft half-space wrinkles, `¼ (3 Ē_s/Ē_f)^⅔` with `Ē_s` of the softer and
-    /// `Ē_f` of the sheet, both in plane strain (Allen 1969), for skin of 136 kPa on tissue of 34 kPa (Maeno et al. 1998): 0.21.
+    /// Strain at which a stiff sheet on a soft half-space wrinkles, `¼ (3 Ē_s/Ē_f)^⅔` with `Ē_s` of
+    /// the softer and `Ē_f` of the sheet, both in plane strain (Allen 1969), for skin of 136 kPa on
+    /// tissue of 34 kPa (Maeno et al. 1998): 0.21.
     pub const WRINKLING: f64 = 0.21;
 }
 
@@ -51,23 +52,25 @@ pub struct Skin {
     pub facets: Vec<Facet>,
 }
 
-/// Facets of one tetrahedron whose normals are nearer to each other than this become one. The error in the stiffness
-/// along the skin is of second order in the angle: `sin² 15°`, 7 %, at the rim of what is merged.
+/// Facets of one tetrahedron whose normals are nearer to each other than this become one. The error
+/// in the stiffness along the skin is of second order in the angle: `sin² 15°`, 7 %, at the rim of
+/// what is merged.
 const MERGED_COS: f64 = 0.966;
-/// A triangle is cut so fine that its parts are no longer than this, relative to the cube root of the volume of the
-/// tetrahedra at its corners (whose edges are about 2.2 times that root).
+/// A triangle is cut so fine that its parts are no longer than this, relative to the cube root of
+/// the volume of the tetrahedra at its corners (whose edges are about 2.2 times that root).
 const PART: f64 = 0.7;
 /// Most parts that an edge is cut into.
 const PARTS_MAX: usize = 16;
 /// Most tetrahedra of a walk through the mesh: one that has not ended by then ends where it is.
 const WALK_MAX: usize = 200;
 
-/// Lays a surface into the tetrahedra that it passes through. Skin moves with flesh, so that its stretch at a place is that
-/// of the tetrahedron there, in the plane of the skin: pieces of skin depend on four nodes each, which are coupled
-/// already, however the triangles of the surface lie. `sheet` gives the kind of skin of each triangle, or none.
+/// Lays a surface into the tetrahedra that it passes through. Skin moves with flesh, so that its
+/// stretch at a place is that of the tetrahedron there, in the plane of the skin: pieces of skin
+/// depend on four nodes each, which are coupled already, however the triangles of the surface lie.
+/// `sheet` gives the kind of skin of each triangle, or none.
 ///
-/// The areas of all facets sum to that of the triangles. Places outside all tetrahedra belong to the one where the way to
-/// them leaves the mesh. Depends on nothing but its input.
+/// The areas of all facets sum to that of the triangles. Places outside all tetrahedra belong to
+/// the one where the way to them leaves the mesh. Depends on nothing but its input.
 ///
 /// # Panics
 /// When an index points nowhere.
@@ -101,7 +104,8 @@ pub fn facets(
     merged(&pieces)
 }
 
-/// Centroids of the n² parts into which a triangle is cut, as shares of its second and third corner.
+/// Centroids of the n² parts into which a triangle is cut, as shares of its second and third
+/// corner.
 fn parts_of_triangle(n: usize) -> impl Iterator<Item = [f64; 2]> {
     let at = move |i: usize, j: usize, third: f64| {
         [(i as f64 + third) / n as f64, (j as f64 + third) / n as f64]
@@ -162,17 +166,20 @@ impl Walked<'_> {
         ((longest / (PART * least)).ceil() as usize).clamp(1, PARTS_MAX)
     }
 
-    /// The tetrahedron at a place, on the way there from tetrahedron `t`; the last one on it where it leaves the mesh.
+    /// The tetrahedron at a place, on the way there from tetrahedron `t`; the last one on it where
+    /// it leaves the mesh.
     fn at(&self, p: &Vec3, mut t: u32) -> u32 {
         for _ in 0..WALK_MAX {
             let weights = barycentric(&self.corners(t), p);
-            // Through the face that the place lies farthest behind, among those with something behind them.
+            // Through the face that the place lies farthest behind, among those with something
+            // behind them.
             let next = (0..4)
                 .filter(|&k| weights[k] < 0.0 && self.behind[t as usize][k] != NONE)
                 .min_by(|&a, &b| weights[a].total_cmp(&weights[b]));
             let Some(next) = next else { break };
             let beyond = self.behind[t as usize][next];
-            // Outside the mesh the way could go on for ever along its boundary: on only as long as it leads nearer.
+            // Outside the mesh the way could go on for ever along its boundary: on only as long as
+            // it leads nearer.
             let least = |w: [f64; 4]| w.into_iter().fold(f64::INFINITY, f64::min);
             let outside = (0..4).any(|k| weights[k] < 0.0 && self.behind[t as usize][k] == NONE);
             if outside && least(barycentric(&self.corners(beyond), p)) <= least(weights) {
@@ -247,8 +254,8 @@ mod tests {
         }
     }
 
-    /// Random triangles inside a mesh: their area is kept, and each piece lies where a search through all
-    /// tetrahedra finds it.
+    /// Random triangles inside a mesh: their area is kept, and each piece lies where a search
+    /// through all tetrahedra finds it.
     #[test]
     fn the_area_is_kept_and_pieces_lie_in_their_tetrahedra() {
         let (nodes, tets) = slab(4, 0.01);

@@ -91,7 +91,8 @@ impl Drive {
 pub enum Cone {
     /// The exact circular Coulomb cone.
     Circular,
-    /// The paper's linearised cone: each tangent bounded by itself (a four-sided pyramid, inscribed).
+    /// The paper's linearised cone: each tangent bounded by itself (a four-sided pyramid,
+    /// inscribed).
     Linearised,
 }
 
@@ -107,13 +108,14 @@ pub enum FleshInStep1 {
 /// Solver that steps the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverKind {
-    /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal coordinates,
-    /// flesh relative to its skinned motion.
+    /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal
+    /// coordinates, flesh relative to its skinned motion.
     Exact,
     /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
     TwoStep,
-    /// Eq. 9 with its joint rows and contacts in one dense solve, which allocates and costs the cube of the unknowns:
-    /// what tests and `thenar validate` measure the others against. No scene or setting chooses it.
+    /// Eq. 9 with its joint rows and contacts in one dense solve, which allocates and costs the
+    /// cube of the unknowns: what tests and `thenar validate` measure the others against. No scene
+    /// or setting chooses it.
     DenseReference,
 }
 
@@ -147,9 +149,10 @@ pub struct SolverSettings {
     pub contact_tolerance: f64,
     /// Most outer sweeps of constraint anticipation.
     pub contact_sweeps_max: u32,
-    /// Most multiply-adds of a step that the exact solver spends on the law of contact; it then makes the last sweeps
-    /// and reports what is left. No bound when `None`. A bound keeps a step's cost from growing where contact is
-    /// hard: see [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
+    /// Most multiply-adds of a step that the exact solver spends on the law of contact; it then
+    /// makes the last sweeps and reports what is left. No bound when `None`. A bound keeps a step's
+    /// cost from growing where contact is hard: see
+    /// [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
     pub contact_work_max: Option<u64>,
     /// Projected Gauss-Seidel passes over the contacts within one outer sweep.
     pub contact_inner_passes: u32,
@@ -157,14 +160,15 @@ pub struct SolverSettings {
     pub cone: Cone,
     /// Joint limits.
     pub limits: JointLimits,
-    /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it. For motion that a step
-    /// does not foresee, as other contacts make it: a millimetre is 6 cm/s at 60 steps a second. A wider one costs
-    /// constraints that bear nothing.
+    /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it. For
+    /// motion that a step does not foresee, as other contacts make it: a millimetre is 6 cm/s at 60
+    /// steps a second. A wider one costs constraints that bear nothing.
     pub contact_margin: f64,
-    /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by a
-    /// hundred tolerances) is made in halves, and these again, at most this many times: see `World::step`. By default
-    /// the shortest part of a step at 60 Hz is half a millisecond: jammed hands obey the law of contact in steps of
-    /// 1 ms, and miss it by up to a metre per second in parts of 2 ms.
+    /// A step that contact does not carry through (an overlap grows in it by half the margin, or it
+    /// is off by a hundred tolerances) is made in halves, and these again, at most this many times:
+    /// see `World::step`. By default the shortest part of a step at 60 Hz is half a millisecond:
+    /// jammed hands obey the law of contact in steps of 1 ms, and miss it by up to a metre per
+    /// second in parts of 2 ms.
     pub step_halvings_max: u32,
 }
 
@@ -320,8 +324,8 @@ impl WorldDesc {
         (self.softs.len() - 1) as u32
     }
 
-    /// Has the tetrahedra of deformable body `soft` evaluated by [`patches`](crate::model::patches), as flesh that
-    /// hangs on bone should be.
+    /// Has the tetrahedra of deformable body `soft` evaluated by
+    /// [`patches`](crate::model::patches), as flesh that hangs on bone should be.
     ///
     /// # Panics
     /// When there is no deformable body `soft`.

@@ -1,9 +1,10 @@
-//! What contact does, in the forms that users of a simulation ask for: per surface vertex, per finger
-//! (any part of a deformable body), per pair of bodies, per taxel ([`TaxelReadout`]). The points themselves
-//! are [`World::contacts`].
+//! What contact does, in the forms that users of a simulation ask for: per surface vertex, per
+//! finger (any part of a deformable body), per pair of bodies, per taxel ([`TaxelReadout`]). The
+//! points themselves are [`World::contacts`].
 //!
 //! A [`ContactReadout`] belongs to whoever reads; it is made once, and reading allocates nothing.
-//! All forms hold the same forces: those of the points, summed. Nothing is smoothed; taxels share points.
+//! All forms hold the same forces: those of the points, summed. Nothing is smoothed; taxels share
+//! points.
 //!
 //! ```
 //! # use thenar_core::{model::WorldDesc, readout::ContactReadout, World};
@@ -44,7 +45,8 @@ pub enum SlipState {
     Open,
     /// Friction holds.
     Stick,
-    /// The contact slides, or friction gives all it can; of several points, those count that bear most of the load.
+    /// The contact slides, or friction gives all it can; of several points, those count that bear
+    /// most of the load.
     Slip,
 }
 
@@ -130,8 +132,9 @@ impl ContactReadout {
         &self.parts[self.part_ranges[soft as usize].clone()]
     }
 
-    /// Contact of the first body with the second; forces are those on the first. The bones of a hand
-    /// count as its flesh. Of a body with itself each point counts once, with the force on its side A.
+    /// Contact of the first body with the second; forces are those on the first. The bones of a
+    /// hand count as its flesh. Of a body with itself each point counts once, with the force on its
+    /// side A.
     pub fn pair(&mut self, world: &World, [of, with]: [BodyId; 2]) -> PatchContact {
         self.select(world, of, Some(with))
     }
@@ -152,8 +155,8 @@ impl ContactReadout {
                 if !is_in(point.bodies[side], of) || with.is_some_and(|with| !is_in(other, with)) {
                     continue;
                 }
-                // A pair of a body with itself has both sides of a point, and is one contact all the same;
-                // on a body that is asked for alone both sides act.
+                // A pair of a body with itself has both sides of a point, and is one contact all
+                // the same; on a body that is asked for alone both sides act.
                 if with.is_none() || !counted {
                     sum.add(point, side);
                 }

@@ -12,15 +12,16 @@ use crate::world::ContactPoint;
 pub struct PartContact {
     /// On the skin, and on bones where flesh is crushed.
     pub contact: PatchContact,
-    /// Where the fingertip is: the centre of mass of the part's last bone, world \[m\]; without bones
-    /// the centre of pressure.
+    /// Where the fingertip is: the centre of mass of the part's last bone, world \[m\]; without
+    /// bones the centre of pressure.
     pub tip_W: Vec3,
     /// Torque of the contact about the fingertip, world \[N m\].
     pub torque_W: Vec3,
-    /// Force that flesh puts on the part's bones through the coupling (Eq. 8), world \[N\]. It differs
-    /// from the contact's by weight, inertia, and what the flesh hands on to other parts.
+    /// Force that flesh puts on the part's bones through the coupling (Eq. 8), world \[N\]. It
+    /// differs from the contact's by weight, inertia, and what the flesh hands on to other parts.
     pub bone_force_W: Vec3,
-    /// Torque that flesh puts on the part's bones through the coupling, about the fingertip, world \[N m\].
+    /// Torque that flesh puts on the part's bones through the coupling, about the fingertip, world
+    /// \[N m\].
     pub bone_torque_W: Vec3,
 }
 

@@ -11,24 +11,25 @@ pub struct PatchContact {
     pub points: u32,
     /// Force on it, world \[N\].
     pub force_W: Vec3,
-    /// Sum of the points' normal forces \[N\]; of a curved patch more than the size of their resultant.
+    /// Sum of the points' normal forces \[N\]; of a curved patch more than the size of their
+    /// resultant.
     pub normal: f64,
-    /// The part of it that deformable surfaces bear \[N\]: all but what rigid bodies put on each other, as a
-    /// bone and a plate where the flesh between them is crushed.
+    /// The part of it that deformable surfaces bear \[N\]: all but what rigid bodies put on each
+    /// other, as a bone and a plate where the flesh between them is crushed.
     pub skin_normal: f64,
     /// Mean direction in which they push it, by load, world; zero when nothing presses.
     pub normal_W: Vec3,
     /// Friction on it, world \[N\].
     pub shear_W: Vec3,
-    /// Sum of the sizes of the points' friction \[N\]: no less than the size of `shear_W`, and more where
-    /// it points to several sides.
+    /// Sum of the sizes of the points' friction \[N\]: no less than the size of `shear_W`, and more
+    /// where it points to several sides.
     pub shear_sum: f64,
     /// Centre of pressure: mean place by load, world \[m\]; zero when nothing presses.
     pub centre_W: Vec3,
     /// Torque on it about the centre of pressure, world \[N m\].
     pub torque_W: Vec3,
-    /// Area of the surface nearer than 20 µm, between soft surfaces no less than load over peak pressure \[m²\]; zero between rigid
-    /// bodies.
+    /// Area of the surface nearer than 20 µm, between soft surfaces no less than load over peak
+    /// pressure \[m²\]; zero between rigid bodies.
     pub area: f64,
     /// Largest depth of a point, bearing load or not, at the start of the step \[m\].
     pub penetration: f64,
@@ -44,8 +45,8 @@ pub struct PatchContact {
 }
 
 impl PatchContact {
-    /// Mean pressure \[Pa\]: what deformable surfaces bear over their area in contact; zero without area.
-    /// What rigid bodies put on each other has no area, so it is no part of it.
+    /// Mean pressure \[Pa\]: what deformable surfaces bear over their area in contact; zero without
+    /// area. What rigid bodies put on each other has no area, so it is no part of it.
     pub fn pressure_mean(&self) -> f64 {
         if self.area > 0.0 { self.skin_normal / self.area } else { 0.0 }
     }
@@ -116,8 +117,8 @@ mod tests {
     use super::*;
     use crate::model::BodyId;
 
-    /// A thing held from two sides: 3 N each, 2 N of friction that turn it. Of the forces nothing is left,
-    /// of their sizes all; pressure goes by the sizes.
+    /// A thing held from two sides: 3 N each, 2 N of friction that turn it. Of the forces nothing
+    /// is left, of their sizes all; pressure goes by the sizes.
     #[test]
     fn a_grip_has_no_resultant_but_a_pressure() {
         let side = |sign: f64, area: f64| ContactPoint {
@@ -144,7 +145,8 @@ mod tests {
         assert_eq!(PatchSum::default().finish(0.0).pressure_mean(), 0.0);
     }
 
-    /// A bone that bears 20 N beside skin that bears 3 N adds to the forces, and nothing to the pressure.
+    /// A bone that bears 20 N beside skin that bears 3 N adds to the forces, and nothing to the
+    /// pressure.
     #[test]
     fn pressure_is_that_on_the_skin() {
         let point = |first: BodyId, force: f64, area: f64| ContactPoint {

@@ -16,8 +16,8 @@ pub struct VertexContact {
     pub normal: f64,
     /// Mean direction in which they push, world; zero when nothing does.
     pub normal_W: Vec3,
-    /// Surface that it stands for, a third of the triangles around it, seen along the normal \[m²\];
-    /// zero when nothing presses.
+    /// Surface that it stands for, a third of the triangles around it, seen along the normal
+    /// \[m²\]; zero when nothing presses.
     pub area: f64,
     /// Normal force over area \[Pa\].
     pub pressure: f64,
@@ -41,7 +41,8 @@ pub(super) struct Surfaces {
     /// Triangles around each vertex: where they begin in `around`; one more at the end.
     first: Vec<u32>,
     around: Vec<u32>,
-    /// Load and direction at each vertex in the patch whose peak is sought, and the vertices with some.
+    /// Load and direction at each vertex in the patch whose peak is sought, and the vertices with
+    /// some.
     peak: Vec<(f64, Vec3)>,
     peak_vertices: Vec<u32>,
 }
@@ -153,8 +154,8 @@ impl Surfaces {
         self.peak_vertices.iter().map(pressure).fold(0.0, f64::max)
     }
 
-    /// A third of the triangles around a vertex that is pushed along `push_W`, as seen along it; all
-    /// of them where none faces it.
+    /// A third of the triangles around a vertex that is pushed along `push_W`, as seen along it;
+    /// all of them where none faces it.
     fn area(&self, world: &World, v: usize, push_W: &Vec3) -> f64 {
         let x = world.all_collision_vertices();
         let around = &self.around[self.first[v] as usize..self.first[v + 1] as usize];

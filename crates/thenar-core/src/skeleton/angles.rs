@@ -39,9 +39,9 @@ pub fn joint_spin(kind: JointKind, q: [f64; 2], rates: [f64; 2]) -> Vec3 {
     }
 }
 
-/// `R_JK` after a joint has turned for `h` \[s\] by the angular velocity of K against J, in J \[rad/s\]: about
-/// its own axes alone, each at a constant rate. What of the rotation and of the velocity the joint does not
-/// allow is left out.
+/// `R_JK` after a joint has turned for `h` \[s\] by the angular velocity of K against J, in J
+/// \[rad/s\]: about its own axes alone, each at a constant rate. What of the rotation and of the
+/// velocity the joint does not allow is left out.
 pub fn turn_joint(kind: JointKind, R_JK: &Quat, spin_J: &Vec3, h: f64) -> Quat {
     let q = joint_angles(kind, R_JK);
     let (sin, cos) = q[0].sin_cos();

@@ -31,9 +31,9 @@ pub fn axis_states(kind: JointKind, frames: &JointFrames) -> [Option<AxisState>;
     }
 }
 
-/// Elastic torque on the child about the axis at this angle \[N m\], and the stiffness
-/// \[N m/rad\] and damping \[N m s/rad\] to be taken implicitly. Past a limit that is kept by springs a
-/// stiff one adds itself (Sec. 3.1).
+/// Elastic torque on the child about the axis at this angle \[N m\], and the stiffness \[N m/rad\]
+/// and damping \[N m s/rad\] to be taken implicitly. Past a limit that is kept by springs a stiff
+/// one adds itself (Sec. 3.1).
 pub fn spring_torque(
     axis: &Axis,
     joint: &JointDesc,
@@ -58,8 +58,8 @@ pub fn spring_energy(axis: &Axis, joint: &JointDesc, limits: JointLimits, angle:
     0.5 * (axis.stiffness * stretch * stretch + joint.limit_stiffness * past * past)
 }
 
-/// Torque on the child by the springs and dampers of an axis's limits at this angle \[rad\] and rate
-/// \[rad/s\].
+/// Torque on the child by the springs and dampers of an axis's limits at this angle \[rad\] and
+/// rate \[rad/s\].
 pub fn limit_spring_torque(axis: &Axis, joint: &JointDesc, angle: f64, rate: f64) -> f64 {
     match past_limit(axis, angle) {
         0.0 => 0.0,
@@ -67,10 +67,11 @@ pub fn limit_spring_torque(axis: &Axis, joint: &JointDesc, angle: f64, rate: f64
     }
 }
 
-/// How far an axis is turned from where its spring is relaxed \[rad\]. The angle is known but for whole
-/// turns. Within a range shorter than a turn it is that near the range, and the spring is wound up as far as
-/// its rest angle says. Otherwise the spring acts the shorter way round, by half a turn at most: its energy
-/// is a function of the pose alone, so that no motion round the axis can draw on it.
+/// How far an axis is turned from where its spring is relaxed \[rad\]. The angle is known but for
+/// whole turns. Within a range shorter than a turn it is that near the range, and the spring is
+/// wound up as far as its rest angle says. Otherwise the spring acts the shorter way round, by half
+/// a turn at most: its energy is a function of the pose alone, so that no motion round the axis can
+/// draw on it.
 pub fn stretch(axis: &Axis, angle: f64) -> f64 {
     match axis.limit {
         Some(limit) if limit.max - limit.min < TAU => {
@@ -94,8 +95,8 @@ fn past_limit(axis: &Axis, angle: f64) -> f64 {
     }
 }
 
-/// Angle turned by whole turns as near as can be to the middle of the range \[rad\]: past π an angle goes on from -π,
-/// while the range may not.
+/// Angle turned by whole turns as near as can be to the middle of the range \[rad\]: past π an
+/// angle goes on from -π, while the range may not.
 pub fn turned_towards(limit: &AngleLimit, angle: f64) -> f64 {
     let middle = 0.5 * (limit.min + limit.max);
     angle + TAU * ((middle - angle) / TAU).round()

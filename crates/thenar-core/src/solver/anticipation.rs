@@ -26,8 +26,8 @@ pub struct AnticipationSettings {
     pub cone: Cone,
 }
 
-/// Sweeps from one look at contacts that do not press to the next: most points near another surface never touch it. A
-/// solution is accepted only after a sweep that looked at all.
+/// Sweeps from one look at contacts that do not press to the next: most points near another surface
+/// never touch it. A solution is accepted only after a sweep that looked at all.
 const FULL_PASS_EVERY: u32 = 4;
 
 /// Contacts that a pass visits.
@@ -229,8 +229,8 @@ mod tests {
     use crate::solver::DenseSystem;
     use crate::testing::Random;
 
-    /// A first guess that already carries the node away from the wall, by way of its neighbour, must
-    /// not pass for the answer that nothing presses.
+    /// A first guess that already carries the node away from the wall, by way of its neighbour,
+    /// must not pass for the answer that nothing presses.
     #[test]
     fn a_good_first_guess_does_not_hide_a_contact() {
         let mut a = BlockMatrix::with_pattern(2, [(0, 1)]);

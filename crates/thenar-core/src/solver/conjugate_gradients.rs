@@ -71,8 +71,8 @@ pub fn conjugate_gradients(
 }
 
 /// Weighs for each island the part s of its velocities `v`, at most 1, that has the least
-/// `½ v·A v - v·b`; velocities that are given (`known`) stay. Then these velocities take no more energy
-/// than `b` gives.
+/// `½ v·A v - v·b`; velocities that are given (`known`) stay. Then these velocities take no more
+/// energy than `b` gives.
 pub fn weigh_energy(
     a: &BlockMatrix,
     b: &[Vec3],

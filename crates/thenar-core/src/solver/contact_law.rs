@@ -11,17 +11,19 @@
 //!   s (μ λ_n - |λ_t|) = 0         which is then on the rim of the disc
 //! ```
 //!
-//! The linearised cone of the paper puts a square in place of the disc: see [`project`]. Solvers visit
-//! contacts one after another, each with all others as they are, and there are two ways to visit:
+//! The linearised cone of the paper puts a square in place of the disc: see [`project`]. Solvers
+//! visit contacts one after another, each with all others as they are, and there are two ways to
+//! visit:
 //!
-//! - [`project`] makes one cheap update from the present impulse. Only its fixed point obeys the law.
-//!   The two-step scheme, the dense reference and touch use it.
+//! - [`project`] makes one cheap update from the present impulse. Only its fixed point obeys the
+//!   law. The two-step scheme, the dense reference and touch use it.
 //! - [`Response::impulse`] finds the impulse that obeys the law at once. The exact solver uses it.
 //!
-//! No target is above zero, so that zero velocity obeys all rows and contacts cannot contradict each
-//! other: what overlaps is kept from going deeper, and moved apart by a second solve in which rows stand
-//! for what they wish of a pseudo-velocity (`solver::push_out`). [`ContactRow::projected`] and
-//! [`ContactRow::resolved`] visit a row in either way. [`is_on_rim`] tells whether a contact slides.
+//! No target is above zero, so that zero velocity obeys all rows and contacts cannot contradict
+//! each other: what overlaps is kept from going deeper, and moved apart by a second solve in which
+//! rows stand for what they wish of a pseudo-velocity (`solver::push_out`).
+//! [`ContactRow::projected`] and [`ContactRow::resolved`] visit a row in either way. [`is_on_rim`]
+//! tells whether a contact slides.
 
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
@@ -33,19 +35,22 @@ use sliding::Sliding;
 const IMMOVABLE: f64 = 1e-12;
 /// A force on the rim of the cone within this part of its radius slides.
 const RIM: f64 = 1e-6;
-/// Beyond the rim by this part of its radius is on it: impulses are turned from frame to frame between steps.
+/// Beyond the rim by this part of its radius is on it: impulses are turned from frame to frame
+/// between steps.
 const BEYOND: f64 = 1e-12;
 /// Alternations between normal and tangential part within one visit of a sliding contact.
 const ALTERNATIONS: usize = 4;
-/// Bisections and Newton steps that find the impulse on the rim of the friction disc, to this part of its radius.
+/// Bisections and Newton steps that find the impulse on the rim of the friction disc, to this part
+/// of its radius.
 const RIM_STEPS: usize = 30;
 const ON_RIM: f64 = 1e-13;
 
-/// Responses are rounded to single precision: a pivot below ten times that, of the trace, may be none.
+/// Responses are rounded to single precision: a pivot below ten times that, of the trace, may be
+/// none.
 pub(super) const PIVOT_LEAST: f64 = 10.0 * f32::EPSILON as f64;
 
-/// True when a symmetric response is positive definite beyond its round-off, by elimination with the largest
-/// pivot first.
+/// True when a symmetric response is positive definite beyond its round-off, by elimination with
+/// the largest pivot first.
 fn is_definite(W: &Mat3) -> bool {
     let least = PIVOT_LEAST * W.trace();
     let mut m = *W;
@@ -74,10 +79,10 @@ pub(super) fn is_immovable(W: &Mat3) -> bool {
 /// One projected Gauss-Seidel update of the impulse `lambda` = (normal, two tangents) of a point
 /// whose constraint value is `d` and whose own response is `W` (d changes by `W Δλ`).
 ///
-/// At a fixed point the normal impulse is complementary to `d_n`; the tangential one lies in
-/// the disc of radius `μ λ_n` (or, linearised, in the square inscribed in it, so that friction falls
-/// short of Coulomb's by up to 1 - cos 45° and never exceeds it), and where it lies on
-/// the rim, sliding opposes it. Where neither side can move, the impulse is zero.
+/// At a fixed point the normal impulse is complementary to `d_n`; the tangential one lies in the
+/// disc of radius `μ λ_n` (or, linearised, in the square inscribed in it, so that friction falls
+/// short of Coulomb's by up to 1 - cos 45° and never exceeds it), and where it lies on the rim,
+/// sliding opposes it. Where neither side can move, the impulse is zero.
 pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> Vec3 {
     debug_assert!(friction >= 0.0, "a friction coefficient of {friction}, below 0");
     let least = IMMOVABLE * W.trace();
@@ -135,17 +140,19 @@ impl Response {
         let (mean, half) = (0.5 * (W.m22 + W.m33), 0.5 * (W.m22 - W.m33));
         let spread = half.hypot(W.m23);
         let (sin, cos) = (0.5 * W.m23.atan2(half)).sin_cos();
-        // Below its round-off a response may be any or none. One of that size gives a contact that hardly moves
-        // across the other direction an impulse in proportion; none at all would turn friction by round-off.
+        // Below its round-off a response may be any or none. One of that size gives a contact that
+        // hardly moves across the other direction an impulse in proportion; none at all would turn
+        // friction by round-off.
         let (high, low) = (mean + spread, (mean - spread).max(PIVOT_LEAST * (mean + spread)));
         Self { W: *W, inverse: W.try_inverse(), definite: is_definite(W), high, low, cos, sin }
     }
 
     /// The impulse λ so that `d = b + W λ` obeys the contact law: `0 ≤ λ_n ⊥ d_n ≥ 0`,
-    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Of several such impulses (to open, to stick, to
-    /// slide where friction does not lift the contact off) it is the one nearest to `start`, so that one that obeys the law so is left as it is: one that went from sticking to
-    /// sliding and back at each visit kept a joint at its limit from coming to rest. Where the response is
-    /// not positive definite, a sliding contact comes nearer with each visit.
+    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Of several such impulses (to
+    /// open, to stick, to slide where friction does not lift the contact off) it is the one nearest
+    /// to `start`, so that one that obeys the law so is left as it is: one that went from sticking
+    /// to sliding and back at each visit kept a joint at its limit from coming to rest. Where the
+    /// response is not positive definite, a sliding contact comes nearer with each visit.
     pub fn impulse(&self, cone: Cone, friction: f64, b: &Vec3, start: &Vec3) -> Vec3 {
         debug_assert!(friction >= 0.0, "a friction coefficient of {friction}, below 0");
         let W = &self.W;
@@ -171,9 +178,9 @@ impl Response {
         found.unwrap_or_else(|| self.alternated(friction, b, start))
     }
 
-    /// True when more than one impulse may obey the law: friction all to one side would lift the contact off by
-    /// itself, `μ |W_tn| ≥ W_nn` (in a plane the law is then a complementarity problem without a P-matrix; Painlevé
-    /// 1895). Levers as long belong to what is jammed.
+    /// True when more than one impulse may obey the law: friction all to one side would lift the
+    /// contact off by itself, `μ |W_tn| ≥ W_nn` (in a plane the law is then a complementarity
+    /// problem without a P-matrix; Painlevé 1895). Levers as long belong to what is jammed.
     fn is_ambiguous(&self, friction: f64) -> bool {
         friction * self.W.m21.hypot(self.W.m31) >= self.W.m11
     }
@@ -234,8 +241,8 @@ impl Response {
                 break;
             }
             *(if length > radius { &mut least } else { &mut most }) = s;
-            // Newton on 1/|t| - 1/radius, which is nearly a straight line, and bends so that from below each step ends
-            // below.
+            // Newton on 1/|t| - 1/radius, which is nearly a straight line, and bends so that from
+            // below each step ends below.
             let slope = (t[0] * t[0] / (high + s) + t[1] * t[1] / (low + s)) / length.powi(3);
             let next = (s - (1.0 / length - 1.0 / radius) / slope).min(most);
             s = if next > least { next } else { 0.5 * (least + most) };
@@ -271,10 +278,10 @@ impl ContactRow {
 }
 
 impl ContactRow {
-    /// How far the impulse is from the law of the round cone at this velocity less the target \[m/s\], whatever the response:
-    /// how fast a contact that does not press closes, one that presses opens or closes, one that sticks slides, and one
-    /// that slides goes along or across friction instead of against it. Infinite where no velocity goes with the
-    /// impulse.
+    /// How far the impulse is from the law of the round cone at this velocity less the target
+    /// \[m/s\], whatever the response: how fast a contact that does not press closes, one that
+    /// presses opens or closes, one that sticks slides, and one that slides goes along or across
+    /// friction instead of against it. Infinite where no velocity goes with the impulse.
     pub fn strays(&self, value: &Vec3) -> f64 {
         let lambda = &self.lambda;
         if *lambda == Vec3::zeros() {
@@ -297,7 +304,8 @@ impl ContactRow {
     }
 }
 
-/// True when friction gives all it can to a contact that presses, so that it slides (or is about to).
+/// True when friction gives all it can to a contact that presses, so that it slides (or is about
+/// to).
 pub fn is_on_rim(cone: Cone, friction: f64, lambda: &Vec3) -> bool {
     let rim = friction * lambda.x * (1.0 - RIM);
     lambda.x > 0.0

@@ -26,7 +26,8 @@ pub struct ContactRow {
     pub rigids: [Option<(u32, Vec3, f64)>; 2],
     /// Friction coefficient.
     pub friction: f64,
-    /// Wanted `J Δv`: at least this along the normal, exactly this along a sticking tangent \[m/s\].
+    /// Wanted `J Δv`: at least this along the normal, exactly this along a sticking tangent
+    /// \[m/s\].
     pub target: Vec3,
     /// Impulse in the contact frame \[N s\].
     pub lambda: Vec3,
@@ -89,8 +90,8 @@ impl ContactRows {
         self.rows.len() - 1
     }
 
-    /// Begins a row on how fast bodies turn about an axis, with no friction; the bodies are added by
-    /// `hold_rigid`, their levers do not matter. `impulse` starts it \[N m s\].
+    /// Begins a row on how fast bodies turn about an axis, with no friction; the bodies are added
+    /// by `hold_rigid`, their levers do not matter. `impulse` starts it \[N m s\].
     pub fn begin_turn(&mut self, axis_W: &Vec3, impulse: f64) -> usize {
         let i = self.begin(axis_W, 0.0, &Vec3::zeros());
         let row = &mut self.rows[i];

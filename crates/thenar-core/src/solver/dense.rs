@@ -63,7 +63,8 @@ impl DenseLu {
         dispatch!(Level::new(), simd => self.factor_by_panels(simd))
     }
 
-    /// Panel by panel: its columns are factored, then all columns beyond are brought up to date at once.
+    /// Panel by panel: its columns are factored, then all columns beyond are brought up to date at
+    /// once.
     #[inline(always)]
     fn factor_by_panels<S: Simd>(&mut self, simd: S) -> bool {
         for first in (0..self.n).step_by(PANEL) {
@@ -111,8 +112,8 @@ impl DenseLu {
         }
     }
 
-    /// Brings the pivot of column k to its place within the panel and takes it off the columns after it. Returns
-    /// the row it was in; `None` where it is zero or no number.
+    /// Brings the pivot of column k to its place within the panel and takes it off the columns
+    /// after it. Returns the row it was in; `None` where it is zero or no number.
     #[inline(always)]
     fn factor_column<S: Simd>(
         &mut self,
@@ -211,8 +212,8 @@ impl DenseLu {
     }
 }
 
-/// `to += factor from`, in whole registers. Indexed on purpose: zipped iterators are not inlined into the vectorised function, and
-/// run without its instructions.
+/// `to += factor from`, in whole registers. Indexed on purpose: zipped iterators are not inlined
+/// into the vectorised function, and run without its instructions.
 #[inline(always)]
 fn add_multiple<S: Simd>(simd: S, to: &mut [f64], from: &[f64], factor: f64x8<S>) {
     let (to, from) = (to.as_chunks_mut::<LANES>().0, from.as_chunks::<LANES>().0);
@@ -222,7 +223,8 @@ fn add_multiple<S: Simd>(simd: S, to: &mut [f64], from: &[f64], factor: f64x8<S>
     }
 }
 
-/// `rows -= L U` for N rows below a panel: as many columns at a time as keep their sums in registers.
+/// `rows -= L U` for N rows below a panel: as many columns at a time as keep their sums in
+/// registers.
 #[inline(always)]
 fn update_rows<S: Simd, const N: usize>(
     simd: S,

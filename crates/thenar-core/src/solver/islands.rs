@@ -1,5 +1,6 @@
-//! Islands: bodies that move each other within a step, by joints, flesh, coupling or contact. What one
-//! island does is nothing to the others, so that a step that fails in one is mended in that one.
+//! Islands: bodies that move each other within a step, by joints, flesh, coupling or contact. What
+//! one island does is nothing to the others, so that a step that fails in one is mended in that
+//! one.
 
 use crate::math::Vec3;
 use crate::solver::{BlockMatrix, ContactRow, ContactRows};

@@ -8,17 +8,18 @@
 //!   ½ pᵀ K p + ½ Σ (wanted - J p)₊² / (YIELD W_ii)      so that  J p ≥ least
 //! ```
 //!
-//! the sum over contacts that overlap. As every `least` is at most zero, p = 0 is always allowed: there
-//! is always a solution, one only, and `pᵀ K p ≤ Σ wanted² / (YIELD W_ii)`. Two contacts that pull one
-//! point apart meet in the middle. There is no friction. (After the split impulses of Guendelman,
-//! Bridson and Fedkiw 2003 and of Bullet; the yielding is ours.)
+//! the sum over contacts that overlap. As every `least` is at most zero, p = 0 is always allowed:
+//! there is always a solution, one only, and `pᵀ K p ≤ Σ wanted² / (YIELD W_ii)`. Two contacts that
+//! pull one point apart meet in the middle. There is no friction. (After the split impulses of
+//! Guendelman, Bridson and Fedkiw 2003 and of Bullet; the yielding is ours.)
 
 use crate::math::{Mat3, Vec3};
 use crate::solver::contact_law::is_immovable;
 use crate::solver::{ContactRow, ContactRows};
 
-/// How much a contact's wish yields, in parts of its own response: one that is alone undoes ten elevenths
-/// of what it wants in a step, two that contradict each other settle by a factor of 0.8 a sweep.
+/// How much a contact's wish yields, in parts of its own response: one that is alone undoes ten
+/// elevenths of what it wants in a step, two that contradict each other settle by a factor of 0.8 a
+/// sweep.
 const YIELD: f64 = 0.1;
 
 /// What a contact asks of the pseudo-velocity, along its normal.
@@ -26,7 +27,8 @@ const YIELD: f64 = 0.1;
 pub struct Wish {
     /// Velocity at which the overlap should go \[m/s\]; where the contact is open, [`Wish::least`].
     pub wanted: f64,
-    /// Least velocity, below which the contact would close too fast in any case; not above zero \[m/s\].
+    /// Least velocity, below which the contact would close too fast in any case; not above zero
+    /// \[m/s\].
     pub least: f64,
 }
 
@@ -52,8 +54,8 @@ impl Push {
 }
 
 impl ContactRows {
-    /// Until [`ContactRows::end_push`] rows stand for these wishes, in their order, and their impulses
-    /// are those that push, zero at first.
+    /// Until [`ContactRows::end_push`] rows stand for these wishes, in their order, and their
+    /// impulses are those that push, zero at first.
     pub fn begin_push(&mut self, wishes: &[Wish]) {
         for (row, wish) in self.rows.iter_mut().zip(wishes) {
             row.begin_push(*wish);

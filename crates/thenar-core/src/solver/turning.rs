@@ -4,9 +4,9 @@ use crate::math::{Mat3, Vec3, skew};
 
 /// The angular part of `∂f/∂q` of a target: `∂f = Σ_j ω_j × l_j + T (ω_0 − ω_1)`.
 ///
-/// Where places are blended (`Skinning::Linear`) there are levers alone. Where rotations are blended
-/// (`Skinning::Joint`) the target turns with neither bone, and T is what bones that turn apart add, as they do where
-/// their pose shifts the target (`PoseOffsets`).
+/// Where places are blended (`Skinning::Linear`) there are levers alone. Where rotations are
+/// blended (`Skinning::Joint`) the target turns with neither bone, and T is what bones that turn
+/// apart add, as they do where their pose shifts the target (`PoseOffsets`).
 #[derive(Clone, Copy, Debug)]
 pub struct Turning {
     /// The lever l of each bone, weighted, world \[m\].
@@ -68,7 +68,8 @@ impl Turning {
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
 impl Apart {
-    /// `T ω`: velocity of the target \[m/s\] when the first bone turns by ω against the second \[rad/s\].
+    /// `T ω`: velocity of the target \[m/s\] when the first bone turns by ω against the second
+    /// \[rad/s\].
     #[inline(always)]
     pub fn velocity(&self, omega: &Vec3) -> Vec3 {
         match self {
@@ -77,7 +78,8 @@ impl Apart {
         }
     }
 
-    /// `Tᵀ f`: torque on the first bone, and against it on the second \[N m\], of a force on the target \[N\].
+    /// `Tᵀ f`: torque on the first bone, and against it on the second \[N m\], of a force on the
+    /// target \[N\].
     #[inline(always)]
     pub fn torque(&self, force: &Vec3) -> Vec3 {
         match self {

@@ -8,9 +8,9 @@ use crate::world::model::Model;
 use crate::world::scheme::Solver;
 use crate::world::state::{Scratch, State};
 
-/// `q₁ = q₀ + Δt (v₁ + push)`, along the joints (`kinematic_advance`) but for the two-step scheme, whose
-/// velocities do not obey them. `push` moves things and is not kept: velocities without contact's rows of
-/// the state's shape, which push out what overlaps.
+/// `q₁ = q₀ + Δt (v₁ + push)`, along the joints (`kinematic_advance`) but for the two-step scheme,
+/// whose velocities do not obey them. `push` moves things and is not kept: velocities without
+/// contact's rows of the state's shape, which push out what overlaps.
 pub fn advance(
     solver: &mut Solver,
     model: &Model,
@@ -27,8 +27,8 @@ pub fn advance(
     state.time += h;
 }
 
-/// Moves each body and each node by itself. Rigid bodies turn with their angular momentum fixed in the
-/// world.
+/// Moves each body and each node by itself. Rigid bodies turn with their angular momentum fixed in
+/// the world.
 pub fn move_each(model: &Model, state: &mut State, push: Option<&[Vec3]>, h: f64) {
     let row0 = 2 * model.rigids.len();
     for (b, body) in model.rigids.iter().enumerate() {

@@ -1,11 +1,13 @@
-//! Some bodies of a world taken out of it: the same bones, joints and flesh in the same state, with nothing to touch.
+//! Some bodies of a world taken out of it: the same bones, joints and flesh in the same state, with
+//! nothing to touch.
 
 use crate::math::Vec3;
 use crate::model::{BodyId, PoseOffsets, RigidDesc, SoftDesc, WorldDesc};
 use crate::world::{Input, ModelError, State, StepReport, World};
 use std::ops::Range;
 
-/// A hand taken out of its world. It has the state that it had there, and goes its own way from then on.
+/// A hand taken out of its world. It has the state that it had there, and goes its own way from
+/// then on.
 #[derive(Clone, Debug)]
 pub struct Alone {
     world: World,
@@ -20,8 +22,8 @@ pub struct Alone {
 }
 
 impl World {
-    /// The hand of these bones alone: its bones, the joints among them, and the flesh that hangs on them. Nothing
-    /// touches it, not even itself. Allocates.
+    /// The hand of these bones alone: its bones, the joints among them, and the flesh that hangs on
+    /// them. Nothing touches it, not even itself. Allocates.
     ///
     /// # Errors
     /// The bones are no world: some of what their description refers to is elsewhere.
@@ -36,7 +38,8 @@ impl World {
         Ok(alone)
     }
 
-    /// The description of the hand of these bones alone; which rigid bodies, joints and soft bodies it has.
+    /// The description of the hand of these bones alone; which rigid bodies, joints and soft bodies
+    /// it has.
     #[allow(clippy::type_complexity)] // what `alone` takes apart, and nothing else
     fn parts_alone(&self, bones: Range<u32>) -> (WorldDesc, Range<usize>, Vec<usize>, Vec<usize>) {
         let end = (bones.end as usize).min(self.desc.rigids.len());
@@ -146,7 +149,8 @@ impl Alone {
         state.impulses.clear();
     }
 
-    /// Goes on from where it is with the parameters that its bodies have in the whole world now. Allocates.
+    /// Goes on from where it is with the parameters that its bodies have in the whole world now.
+    /// Allocates.
     ///
     /// # Errors
     /// The whole world is another one by now.
@@ -164,8 +168,8 @@ impl Alone {
         self.world.input()
     }
 
-    /// What acts on the hand in the whole world, but for targets and wrenches of its bones: gravity, and what acts on
-    /// its joints and nodes.
+    /// What acts on the hand in the whole world, but for targets and wrenches of its bones:
+    /// gravity, and what acts on its joints and nodes.
     pub fn copy_input(&self, whole: &Input, to: &mut Input) {
         to.gravity = whole.gravity;
         for (to, from) in to.joint_torques.iter_mut().zip(&self.joints) {
@@ -196,7 +200,8 @@ mod tests {
     use crate::math::{Mat3, Pose};
     use crate::model::{Drive, Motion};
 
-    /// Three bodies fall side by side; the one in the middle, taken out, falls as it did among them.
+    /// Three bodies fall side by side; the one in the middle, taken out, falls as it did among
+    /// them.
     #[test]
     fn one_body_alone_moves_as_among_others() {
         let body = |i: u32| RigidDesc {

@@ -27,7 +27,8 @@ pub fn joint_frames(model: &Model, state: &State, j: usize) -> JointFrames {
     }
 }
 
-/// Bones and joints: `A_s`, `b_s`, `J_s`, `b_λs`, added to an A of zeros. Limits that are rows add nothing here.
+/// Bones and joints: `A_s`, `b_s`, `J_s`, `b_λs`, added to an A of zeros. Limits that are rows add
+/// nothing here.
 pub fn skeleton(
     desc: &WorldDesc,
     model: &Model,
@@ -94,7 +95,8 @@ pub fn relaxed_at(axis: &Axis, target: Option<&JointTarget>, k: usize) -> Axis {
     Axis { rest_angle: target.angles[k], stiffness, damping, ..*axis }
 }
 
-/// Springs and dampers of joint `j`, torques from outside, and a target where the springs are relaxed.
+/// Springs and dampers of joint `j`, torques from outside, and a target where the springs are
+/// relaxed.
 fn add_joint_springs(
     model: &Model,
     limits: JointLimits,

@@ -18,8 +18,8 @@ pub const GRAVITY_MAX: f64 = 1e4;
 /// The largest coordinate or size accepted \[m\].
 const EXTENT_MAX: f64 = 1e4;
 
-/// Shortest time step \[s\]: a part of 1e-9 of a shock that is over in a millisecond. Forces are impulses over it, which stay
-/// finite.
+/// Shortest time step \[s\]: a part of 1e-9 of a shock that is over in a millisecond. Forces are
+/// impulses over it, which stay finite.
 const TIME_STEP_MIN: f64 = 1e-12;
 
 /// True for a time step that can be used \[s\].
@@ -27,8 +27,8 @@ pub fn is_time_step(h: f64) -> bool {
     (TIME_STEP_MIN..=10.0).contains(&h)
 }
 
-/// Brings rotations of another length to one: those of files in single precision are off by 1e-7, and normals would be by
-/// twice as much. One without a length stays, and is refused by [`check`].
+/// Brings rotations of another length to one: those of files in single precision are off by 1e-7,
+/// and normals would be by twice as much. One without a length stays, and is refused by [`check`].
 pub fn turn_rightly(desc: &mut WorldDesc) {
     let right = |rotation: &mut Quat| *rotation = to_turn(rotation).unwrap_or(*rotation);
     for rigid in &mut desc.rigids {

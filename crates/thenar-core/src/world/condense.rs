@@ -3,7 +3,8 @@
 //!
 //! The bones answer as they would at rest, so the system is assembled anew for a step that is long
 //! beside all damping. What hangs on no drive and on no bones, an object, would not come to rest in
-//! the hand's motion alone: it has its inertia over one time step, and goes on for as long at its velocity.
+//! the hand's motion alone: it has its inertia over one time step, and goes on for as long at its
+//! velocity.
 
 use crate::condensed::{CondensedContact, RigidState, SlowToFast};
 use crate::contact::Site;
@@ -30,14 +31,14 @@ const LOOSE: Drive =
     Drive { stiffness: 0.0, damping: 0.0, angular_stiffness: 0.0, angular_damping: 0.0 };
 
 impl World {
-    /// Fills a frame for touch after a step: the bones, and how they answer, with the contacts
-    /// that touch or may touch before the next frame. `input` is that of the step; `bones` are the
-    /// hand's among the rigid bodies. The caller sets time and step. Costs an assembly and a factor;
-    /// changes nothing that is simulated, allocates nothing.
+    /// Fills a frame for touch after a step: the bones, and how they answer, with the contacts that
+    /// touch or may touch before the next frame. `input` is that of the step; `bones` are the
+    /// hand's among the rigid bodies. The caller sets time and step. Costs an assembly and a
+    /// factor; changes nothing that is simulated, allocates nothing.
     ///
-    /// Returns whether there is a response. There is none, and a haptic loop goes on as in multirate,
-    /// with another solver than the exact one, when the system cannot be factored, or when the frame
-    /// is for another number of bones.
+    /// Returns whether there is a response. There is none, and a haptic loop goes on as in
+    /// multirate, with another solver than the exact one, when the system cannot be factored, or
+    /// when the frame is for another number of bones.
     pub fn condense(&mut self, bones: Range<u32>, input: &Input, to: &mut SlowToFast) -> bool {
         to.response.clear();
         let bones = bones.start as usize..(bones.end as usize).min(self.model.rigids.len());
@@ -118,8 +119,8 @@ struct Rest<'a> {
 }
 
 impl Rest<'_> {
-    /// Lists the contacts and joint limits of the last step by what they matter, at most `most`: those that bear
-    /// force, then the nearest.
+    /// Lists the contacts and joint limits of the last step by what they matter, at most `most`:
+    /// those that bear force, then the nearest.
     fn choose(&mut self, most: usize) {
         let Self { desc, state, scratch, readout, .. } = self;
         let Readout { rows, part_length, .. } = readout;
@@ -145,7 +146,8 @@ impl Rest<'_> {
         chosen.truncate(most.min(PRESSING_MAX));
     }
 
-    /// The system whose solution is where all comes to rest under the contact forces of the last step.
+    /// The system whose solution is where all comes to rest under the contact forces of the last
+    /// step.
     fn assemble(&mut self, exact: &mut Exact) {
         let Self { desc, model, state, scratch, input, .. } = self;
         scratch.before.v.copy_from_slice(&state.v);

@@ -75,7 +75,8 @@ pub fn couple(exact: &mut Exact, model: &Model, state: &State, h: f64, shares: &
     }
 }
 
-/// A step by the exact solver. What does not converge is an error, or taken as it is: `tolerance` says.
+/// A step by the exact solver. What does not converge is an error, or taken as it is: `tolerance`
+/// says.
 pub struct ExactScheme<'a> {
     pub exact: &'a mut Exact,
     pub settings: SolverSettings,

@@ -1,12 +1,13 @@
-//! A part of a step that linearised forces did not foresee (`flesh::foresight`) is made again, half as long; one that
-//! may not be halved any more is cut short.
+//! A part of a step that linearised forces did not foresee (`flesh::foresight`) is made again, half
+//! as long; one that may not be halved any more is cut short.
 
 use crate::math::Vec3;
 use crate::world::parts::StepPart;
 use crate::world::state::Scratch;
 use crate::world::{StepReport, World};
 
-/// Most halvings of what flesh moves in a part that is cut short: a billionth of the way is left then.
+/// Most halvings of what flesh moves in a part that is cut short: a billionth of the way is left
+/// then.
 const CUTS_MAX: u32 = 30;
 
 impl World {
@@ -20,8 +21,8 @@ impl World {
         model.flesh.foresaw(all, &scratch.before.x, &state.x, &state.faded, part.h)
     }
 
-    /// True when the part just made brought no energy into corotational flesh. From `v₀` to `v₁` an implicit step
-    /// takes out `½ |v₁ - v₀|²_M`, beside what elements tell of themselves.
+    /// True when the part just made brought no energy into corotational flesh. From `v₀` to `v₁` an
+    /// implicit step takes out `½ |v₁ - v₀|²_M`, beside what elements tell of themselves.
     pub(super) fn flesh_gained_nothing(&mut self, part: StepPart, report: &StepReport) -> bool {
         let Self { model, state, scratch, .. } = self;
         let row0 = 2 * model.rigids.len();
@@ -45,9 +46,9 @@ impl World {
             })
     }
 
-    /// Takes motion out of bodies whose flesh did what was not foreseen, by halves, until it is: the incremental
-    /// energy falls along the way that was found, so that some part of it does. A body that nothing holds keeps
-    /// its linear momentum.
+    /// Takes motion out of bodies whose flesh did what was not foreseen, by halves, until it is:
+    /// the incremental energy falls along the way that was found, so that some part of it does. A
+    /// body that nothing holds keeps its linear momentum.
     pub(super) fn cut_flesh_short(&mut self, part: StepPart) {
         let Self { desc, model, state, scratch, .. } = self;
         let (row0, before) = (2 * model.rigids.len(), &scratch.before.x);

@@ -3,8 +3,9 @@
 use crate::model::{Motion, SolverKind, WorldDesc};
 use crate::world::ModelError;
 
-/// Freedoms of bodies that joints hold together, at most: they share one dense matrix, whose factorisation takes
-/// the cube of them, a third of 10⁹ multiplications at this number, and their columns 48 bytes times the square.
+/// Freedoms of bodies that joints hold together, at most: they share one dense matrix, whose
+/// factorisation takes the cube of them, a third of 10⁹ multiplications at this number, and their
+/// columns 48 bytes times the square.
 const TOGETHER_MAX: usize = 1000;
 
 /// Refuses trees of joints that the exact solver would take seconds a step for.

@@ -2,7 +2,8 @@
 //!
 //! Words go to four lanes in turn: `m = (lane ⊕ word) · K`, `lane ← m ⊕ (m >> 32)`, so that one
 //! multiplication need not wait for the one before. Each turn is one-to-one in the lane, so a
-//! single word that differs always changes the result. Recordings keep this hash: it stays as it is.
+//! single word that differs always changes the result. Recordings keep this hash: it stays as it
+//! is.
 
 use crate::math::Vec3;
 

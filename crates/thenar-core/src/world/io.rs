@@ -10,8 +10,8 @@ use crate::solver::Failure;
 pub struct Target {
     /// Wanted pose of the bone frame (at its centre of mass) in the world at the end of the step.
     pub pose_WB: Pose,
-    /// Velocity of the wanted pose, world \[m/s\], by which a step made in parts leads the drive to where the target
-    /// was.
+    /// Velocity of the wanted pose, world \[m/s\], by which a step made in parts leads the drive to
+    /// where the target was.
     pub velocity_W: Vec3,
     /// Angular velocity of the wanted pose, world \[rad/s\].
     pub angular_velocity_W: Vec3,
@@ -36,20 +36,22 @@ impl Target {
     }
 }
 
-/// Where a joint should be: a position drive, as strong as the joint's own spring and damper. The spring is relaxed at
-/// these angles in the place of `Axis::rest_angle`, and the damper brakes what the joint's rates differ from these.
+/// Where a joint should be: a position drive, as strong as the joint's own spring and damper. The
+/// spring is relaxed at these angles in the place of `Axis::rest_angle`, and the damper brakes what
+/// the joint's rates differ from these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointTarget {
     /// Angles (`JointKind::angles`) at the end of the step \[rad\].
     pub angles: [f64; 2],
     /// Rates of these angles \[rad/s\].
     pub rates: [f64; 2],
-    /// Rotation of the child's joint frame K in the parent's J at the end of the step, of a ball joint.
+    /// Rotation of the child's joint frame K in the parent's J at the end of the step, of a ball
+    /// joint.
     pub rotation_JK: Quat,
     /// Angular velocity of that rotation, in J \[rad/s\].
     pub spin_J: Vec3,
-    /// Factor on spring and damper of each axis, from 0 (the joint is let go, and only `Input::joint_torques` act) to 1;
-    /// the first one is a ball joint's.
+    /// Factor on spring and damper of each axis, from 0 (the joint is let go, and only
+    /// `Input::joint_torques` act) to 1; the first one is a ball joint's.
     pub gains: [f64; 2],
 }
 
@@ -117,15 +119,16 @@ pub struct Input {
     /// Per joint and measured axis (`JointKind::angles`): torque on the child, opposite on the
     /// parent \[N m\].
     pub joint_torques: Vec<[f64; 2]>,
-    /// Per joint: where its spring is relaxed; `None` leaves that to its rest angle. Fixed and free joints have no
-    /// springs.
+    /// Per joint: where its spring is relaxed; `None` leaves that to its rest angle. Fixed and free
+    /// joints have no springs.
     pub joint_targets: Vec<Option<JointTarget>>,
     /// Per node of all deformable bodies, in order: force, world \[N\].
     pub node_forces: Vec<Vec3>,
 }
 
 impl Input {
-    /// Takes over `other` without allocating; false, and nothing changes, when it is another world's.
+    /// Takes over `other` without allocating; false, and nothing changes, when it is another
+    /// world's.
     pub fn copy_from(&mut self, other: &Self) -> bool {
         let lengths = |input: &Self| {
             let Self { gravity: _, targets, prescribed, wrenches, .. } = input;
@@ -165,9 +168,11 @@ pub struct ContactPoint {
     pub position_W: Vec3,
     /// Unit normal from B towards A, world.
     pub normal_W: Vec3,
-    /// Gap at the start of the step, or of the last part of one made in parts \[m\], negative when penetrating.
+    /// Gap at the start of the step, or of the last part of one made in parts \[m\], negative when
+    /// penetrating.
     pub gap: f64,
-    /// Mean force on A during the step, or the last part of one made in parts, world \[N\]; B feels the opposite.
+    /// Mean force on A during the step, or the last part of one made in parts, world \[N\]; B feels
+    /// the opposite.
     pub force_W: Vec3,
     /// Relative tangential velocity of A against B at the end of the step \[m/s\].
     pub slip_W: Vec3,
@@ -180,7 +185,8 @@ pub struct ContactPoint {
 }
 
 impl ContactPoint {
-    /// True when one of the bodies is deformable there: the point has an area and a pressure. Bones are rigid.
+    /// True when one of the bodies is deformable there: the point has an area and a pressure. Bones
+    /// are rigid.
     pub fn touches_skin(&self) -> bool {
         self.bodies.iter().any(|body| matches!(body, BodyId::Soft(_)))
     }
@@ -222,30 +228,32 @@ pub struct StepReport {
     pub cg_iterations: u32,
     /// Relative residual they reached; with the exact solver the estimated velocity error \[m/s\].
     pub cg_residual: f64,
-    /// Parts in which the step was made: 1 unless contact did not carry it through. Errors and depths are then the
-    /// largest of any part, iterations and sweeps the sums over all, contacts those of the last.
+    /// Parts in which the step was made: 1 unless contact did not carry it through. Errors and
+    /// depths are then the largest of any part, iterations and sweeps the sums over all, contacts
+    /// those of the last.
     pub parts: u32,
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
-    /// Relative residual that the sweeps reached; with the exact solver the estimated velocity error that
-    /// contact leaves \[m/s\]: how far sweeps have moved a contact where they do not settle.
+    /// Relative residual that the sweeps reached; with the exact solver the estimated velocity
+    /// error that contact leaves \[m/s\]: how far sweeps have moved a contact where they do not
+    /// settle.
     pub contact_residual: f64,
     /// True when sweeps (or rounds) stopped at their limit short of the accuracy asked for.
     pub contact_unconverged: bool,
-    /// Sweeps ended because `SolverSettings::contact_work_max` was spent; `contact_residual` estimates what that cost, mostly
-    /// far too high.
+    /// Sweeps ended because `SolverSettings::contact_work_max` was spent; `contact_residual`
+    /// estimates what that cost, mostly far too high.
     pub contact_cut_short: bool,
     /// Contact constraints, near or touching.
     pub contacts: u32,
     /// Contact constraints that carry force.
     pub contacts_active: u32,
-    /// Contacts left out because there were more than the world has room for (the deepest were kept), and pairs of
-    /// rigid bodies not looked at because too many are in one place.
+    /// Contacts left out because there were more than the world has room for (the deepest were
+    /// kept), and pairs of rigid bodies not looked at because too many are in one place.
     pub contacts_dropped: u32,
     /// Joint limits that bear load (0 where limits are springs).
     pub limits_active: u32,
-    /// Deepest penetration at the end of the step, or of a part of it \[m\]: to first order, or as found there where much
-    /// has moved and overlaps have grown.
+    /// Deepest penetration at the end of the step, or of a part of it \[m\]: to first order, or as
+    /// found there where much has moved and overlaps have grown.
     pub penetration_max: f64,
     /// Largest distance between the two sides of a joint \[m\].
     pub joint_gap_max: f64,
@@ -253,13 +261,13 @@ pub struct StepReport {
     pub joint_misalignment_max: f64,
     /// Elements with negative volume.
     pub inverted_tets: u32,
-    /// Parts of the step that were taken back and made shorter because the energy of flesh rose more than linearised
-    /// forces foresaw: each was assembled and solved in vain.
+    /// Parts of the step that were taken back and made shorter because the energy of flesh rose
+    /// more than linearised forces foresaw: each was assembled and solved in vain.
     pub flesh_retries: u32,
     /// Targets that were not finite; their drives let go for the step.
     pub bad_targets: u32,
-    /// The step, or a part of it, produced a number that is not finite or beyond any sense: bodies that hang together with
-    /// it are where they were, at rest.
+    /// The step, or a part of it, produced a number that is not finite or beyond any sense: bodies
+    /// that hang together with it are where they were, at rest.
     pub non_finite: bool,
     /// So is everything else, and no time passed.
     pub taken_back: bool,

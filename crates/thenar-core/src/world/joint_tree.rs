@@ -1,8 +1,8 @@
 //! Bodies placed along the joints that tie them, so that no joint opens however far a step turns.
 //!
-//! Outwards along each tree a body takes its place from the one before it: the anchor points meet, and
-//! the joint has turned about its own axes alone, by its rates over the step. Joints left over because they
-//! close loops are closed afterwards (`kinematic_advance`).
+//! Outwards along each tree a body takes its place from the one before it: the anchor points meet,
+//! and the joint has turned about its own axes alone, by its rates over the step. Joints left over
+//! because they close loops are closed afterwards (`kinematic_advance`).
 
 use crate::math::{Pose, Quat, Vec3};
 use crate::skeleton::turn_joint;

@@ -1,15 +1,16 @@
 //! What floats freely keeps its momentum when its parts are brought together.
 //!
-//! Closing joints moves masses relative to each other. Inner forces cannot shift their common centre nor
-//! turn them as a whole, so with `δ_i = x̃_i - x_i` from where a part is to where its own velocity would have
-//! taken it, all are shifted by `t` and turned by `φ` about the centre c,
+//! Closing joints moves masses relative to each other. Inner forces cannot shift their common
+//! centre nor turn them as a whole, so with `δ_i = x̃_i - x_i` from where a part is to where its
+//! own velocity would have taken it, all are shifted by `t` and turned by `φ` about the centre c,
 //!
 //! ```text
 //!   t = Σ m δ / M,   I φ = Σ m (x - c) × δ + Σ I_b log(R̃ Rᵀ)
 //! ```
 //!
-//! The momentum of velocities left as they are then stays, but for the angular momentum `Σ m (x - x̃) × v`,
-//! of third order in the step; it is given back by turning all velocities alike.
+//! The momentum of velocities left as they are then stays, but for the angular momentum
+//! `Σ m (x - x̃) × v`, of third order in the step; it is given back by turning all velocities
+//! alike.
 
 use crate::math::{Mat3, Quat, Vec3, rotation_vector, skew};
 use crate::world::joint_tree::Floating;

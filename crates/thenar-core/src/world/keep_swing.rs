@@ -1,9 +1,10 @@
 //! What hangs on a fixed joint keeps the angular momentum with which it swings.
 //!
-//! A body that its joint takes round an arc, not along the tangent of its velocity, has less angular
-//! momentum about the pivot than before, `Σ m (x̃ - x) × v` less, with x̃ where its velocity alone would have
-//! taken it: of second order in the step, which over many steps would damp the swing in first order. The
-//! spin that gives it back about the axes that the joint leaves free is added to all that hangs there.
+//! A body that its joint takes round an arc, not along the tangent of its velocity, has less
+//! angular momentum about the pivot than before, `Σ m (x̃ - x) × v` less, with x̃ where its
+//! velocity alone would have taken it: of second order in the step, which over many steps would
+//! damp the swing in first order. The spin that gives it back about the axes that the joint leaves
+//! free is added to all that hangs there.
 
 use crate::math::{Mat3, Vec3};
 use crate::model::JointKind;

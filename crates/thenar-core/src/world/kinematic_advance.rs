@@ -1,19 +1,20 @@
-//! Moves the state by its new velocities with the joints closed: what the exact solver's coordinates
-//! mean over a step of any length.
+//! Moves the state by its new velocities with the joints closed: what the exact solver's
+//! coordinates mean over a step of any length.
 //!
-//! Velocities that obey the joints do so where the step began; bodies moved by them one by one would part
-//! by `(Δt ω)² r/2`, 4 mm at a joint of a fist clenched in 0.2 s at 60 Hz. Here
+//! Velocities that obey the joints do so where the step began; bodies moved by them one by one
+//! would part by `(Δt ω)² r/2`, 4 mm at a joint of a fist clenched in 0.2 s at 60 Hz. Here
 //!
 //! 1. bodies without a joint, and flesh, move by their own velocities;
-//! 2. each joint turns about its axes by its rates, and bodies follow outwards along the tree; loops are
-//!    closed by Newton's method in the same coordinates (`joint_tree`);
+//! 2. each joint turns about its axes by its rates, and bodies follow outwards along the tree;
+//!    loops are closed by Newton's method in the same coordinates (`joint_tree`);
 //! 3. a node keeps its place relative to its skinned target, `x₁ = x₀ + Δt v_f + a` with
-//!    `a = f(q₁) - f(q₀) - Δt J v_s`, so that its coupling spring is stretched by `Δt w`, as the solver said, and
-//!    flesh that no spring binds turns with what is bound;
-//! 4. what floats freely is turned and shifted as a whole to where momentum would have taken it, and
-//!    its angular momentum is kept (`keep_momentum`).
+//!    `a = f(q₁) - f(q₀) - Δt J v_s`, so that its coupling spring is stretched by `Δt w`, as the
+//!    solver said, and flesh that no spring binds turns with what is bound;
+//! 4. what floats freely is turned and shifted as a whole to where momentum would have taken it,
+//!    and its angular momentum is kept (`keep_momentum`).
 //!
-//! Steps 2 to 4 correct positions by second order in Δt and leave velocities as the solver found them.
+//! Steps 2 to 4 correct positions by second order in Δt and leave velocities as the solver found
+//! them.
 
 use crate::coupling::{Share, skin_target};
 use crate::math::{Pose, Quat, Vec3};
@@ -29,8 +30,8 @@ use crate::world::state::{Scratch, State};
 
 /// Loops are closed to this, in metres and radians: a thousandth of a micrometre.
 const CLOSED: f64 = 1e-9;
-/// Newton's method squares the error in each round: four of them for an error of a tenth, and as many in which
-/// steps are halved.
+/// Newton's method squares the error in each round: four of them for an error of a tenth, and as
+/// many in which steps are halved.
 const ROUNDS_MAX: u32 = 8;
 
 /// Motion of all bodies as if no joint held them, and memory to close the joints.
@@ -106,8 +107,8 @@ pub fn advance_jointed(
     model.tree.hanging.iter().for_each(|hanging| keep_swing(hanging, model, moved, state));
 }
 
-/// Closes the joints that the tree leaves out, by motions that the tree allows. Where a round does not
-/// bring them together (a linkage that is nearly stretched out) half of it is tried next.
+/// Closes the joints that the tree leaves out, by motions that the tree allows. Where a round does
+/// not bring them together (a linkage that is nearly stretched out) half of it is tried next.
 fn close_loops(exact: &mut Exact, model: &Model, state: &mut State, scratch: &mut Scratch) {
     let Scratch { moved, A, .. } = scratch;
     let (mut open, mut share) = (largest_error(model, state), 1.0);

@@ -4,8 +4,8 @@
 //!   0 ≤ λ  ⊥  (θ - bound)/Δt + θ̇ ≥ 0        (mirrored at the upper bound)
 //! ```
 //!
-//! The bounds of a step are listed once ([`list`]). Their rows stand behind those of contact, in the
-//! order of the list, and are solved together with them.
+//! The bounds of a step are listed once ([`list`]). Their rows stand behind those of contact, in
+//! the order of the list, and are solved together with them.
 
 use crate::math::Vec3;
 use crate::model::{AngleLimit, JointLimits, SolverKind, SolverSettings};
@@ -29,7 +29,8 @@ pub struct LimitRow {
     pub gap: f64,
     /// The turn of the child that leads away from the bound, world, of unit length.
     pub direction_W: Vec3,
-    /// The impulse that the velocities without contact have in them already, at [`TURN_LEVER`] \[N s\].
+    /// The impulse that the velocities without contact have in them already, at [`TURN_LEVER`] \[N
+    /// s\].
     pub included: f64,
 }
 
@@ -103,8 +104,8 @@ impl LimitRow {
     }
 }
 
-/// Appends the rows of all bounds, for the velocities without contact in `state`. What these have in
-/// them already starts from there.
+/// Appends the rows of all bounds, for the velocities without contact in `state`. What these have
+/// in them already starts from there.
 pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     let Scratch { limits, rows, .. } = scratch;
     for limit in limits.iter() {
@@ -125,8 +126,8 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     }
 }
 
-/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\]. Beyond a bound
-/// an axis turns no further; `push_out` brings it back.
+/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\]. Beyond a
+/// bound an axis turns no further; `push_out` brings it back.
 fn wanted(gap: f64, h: f64) -> f64 {
     TURN_LEVER * -gap.max(0.0) / h
 }
@@ -159,8 +160,8 @@ pub fn keep_spring_impulses(model: &Model, state: &mut State, h: f64, scratch: &
 
 impl World {
     /// Torque by which its limits keep each measured axis of joint `j` within range, on the child,
-    /// opposite on the parent \[N m\]: its mean in the last step, or, where limits are springs, that
-    /// of the present angle and rate. Positive torques turn towards larger angles.
+    /// opposite on the parent \[N m\]: its mean in the last step, or, where limits are springs,
+    /// that of the present angle and rate. Positive torques turn towards larger angles.
     pub fn joint_limit_torques(&self, j: u32) -> [f64; 2] {
         if by_rows(&self.desc.solver) {
             return self.state.limit_impulses[j as usize].map(|impulse| impulse / self.time_step);

@@ -61,7 +61,8 @@ use scheme::Solver;
 use state::Scratch;
 use std::ops::Range;
 
-/// A simulation: what is constant, what changes, the memory to step it in, and what the last step found.
+/// A simulation: what is constant, what changes, the memory to step it in, and what the last step
+/// found.
 #[derive(Clone, Debug)]
 pub struct World {
     desc: WorldDesc,
@@ -115,9 +116,10 @@ impl World {
         Ok(world)
     }
 
-    /// Moves the world forward by one time step: the paper's Sec. 4. A step that contact does not carry
-    /// through is made in parts (`SolverSettings::step_halvings_max`); contacts then are those of the last. Allocates
-    /// nothing (with the dense reference solver it does; a clone fills its work space in its first steps).
+    /// Moves the world forward by one time step: the paper's Sec. 4. A step that contact does not
+    /// carry through is made in parts (`SolverSettings::step_halvings_max`); contacts then are
+    /// those of the last. Allocates nothing (with the dense reference solver it does; a clone fills
+    /// its work space in its first steps).
     ///
     /// # Panics
     /// When a list of `input` is shorter than [`World::input`] makes it.
@@ -268,7 +270,8 @@ impl World {
         }
     }
 
-    /// Chooses another solver. Choosing the exact one allocates its memory, choosing another frees it.
+    /// Chooses another solver. Choosing the exact one allocates its memory, choosing another frees
+    /// it.
     pub fn set_solver(&mut self, kind: SolverKind) {
         self.desc.solver.kind = kind;
         self.prepare_solver();

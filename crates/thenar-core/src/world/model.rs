@@ -204,8 +204,8 @@ impl Model {
         self.add_coupling(soft, desc, node0)
     }
 
-    /// Evaluates the body added last by patches, if it has some; then, what each tetrahedron remembers: the first of
-    /// a patch for all.
+    /// Evaluates the body added last by patches, if it has some; then, what each tetrahedron
+    /// remembers: the first of a patch for all.
     fn add_patches(&mut self, body: &SoftDesc, desc: &WorldDesc) -> Option<Vec<Relaxation>> {
         let soft = self.soft_tets.len() - 1;
         let tets = self.soft_tets[soft].clone();
@@ -280,7 +280,8 @@ impl Model {
         Ok(())
     }
 
-    /// Gives nodes the offsets that follow the pose of a joint, which must be that of their two bones.
+    /// Gives nodes the offsets that follow the pose of a joint, which must be that of their two
+    /// bones.
     fn add_pose_offsets(
         &mut self,
         given: &PoseOffsets,

@@ -6,11 +6,12 @@ use crate::model::{BodyId, RigidDesc, SoftDesc};
 use crate::world::World;
 use crate::world::response::{body_of, nearest_vertex};
 
-/// Depth from which two surfaces overlap instead of touching \[m\]: what the place of a contact is good
-/// for between rigid shapes of some centimetres (as `contact/pair_tests.rs` holds pairs that are apart to it).
+/// Depth from which two surfaces overlap instead of touching \[m\]: what the place of a contact is
+/// good for between rigid shapes of some centimetres (as `contact/pair_tests.rs` holds pairs that
+/// are apart to it).
 const DEPTH_LEAST: f64 = 1e-5;
-/// A surface of triangles, deformable or a rigid mesh, is no finer than these: with one, that depth in
-/// mean edge lengths.
+/// A surface of triangles, deformable or a rigid mesh, is no finer than these: with one, that depth
+/// in mean edge lengths.
 const DEPTH_OF_EDGE: f64 = 0.01;
 
 /// Two bodies that overlap.
@@ -29,9 +30,9 @@ pub struct Overlap {
 impl World {
     /// The pairs of bodies that overlap in the present state, the deepest first, by the points that
     /// collision detection finds for bodies at rest. A pair counts from a depth of 10 µm, with a
-    /// deformable body or a mesh from a hundredth of the mean edge of its collision surface, if that
-    /// is more. Pairs that do not touch by the rules of the description are left out. Allocates: for use
-    /// outside the stepped loop.
+    /// deformable body or a mesh from a hundredth of the mean edge of its collision surface, if
+    /// that is more. Pairs that do not touch by the rules of the description are left out.
+    /// Allocates: for use outside the stepped loop.
     pub fn overlaps(&self) -> Vec<Overlap> {
         let softs: Vec<f64> = self.desc.softs.iter().map(soft_edge).collect();
         let rigids: Vec<f64> = self.desc.rigids.iter().map(rigid_edge).collect();

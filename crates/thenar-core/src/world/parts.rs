@@ -1,11 +1,12 @@
 //! A step that contact does not carry through is made in parts.
 //!
-//! Contact of a step is linear: planes where surfaces are met at its start, moved by velocities of its end.
-//! Bodies that turn, or flesh that folds, by more than that within the step end it in an overlap of which no row
-//! spoke. And some steps change so much that the solver does not meet the law of contact. Such a step is
-//! taken back and made in halves, each linear about a start of its own, and these again where need be. After
-//! a part that went well the next is twice as long again where the halving allows, and the shortest is made once more
-//! with contact that looks as far as anything went in it, so that what happens once costs little.
+//! Contact of a step is linear: planes where surfaces are met at its start, moved by velocities of
+//! its end. Bodies that turn, or flesh that folds, by more than that within the step end it in an
+//! overlap of which no row spoke. And some steps change so much that the solver does not meet the
+//! law of contact. Such a step is taken back and made in halves, each linear about a start of its
+//! own, and these again where need be. After a part that went well the next is twice as long again
+//! where the halving allows, and the shortest is made once more with contact that looks as far as
+//! anything went in it, so that what happens once costs little.
 
 use crate::contact::{Displacements, KnownDepths, Site, SurfaceState};
 use crate::math::Vec3;
@@ -13,20 +14,21 @@ use crate::model::SolverKind;
 use crate::solver::Failure;
 use crate::world::{StepReport, World, push_out};
 
-/// Half of what a step looks ahead for: overlaps that grow by more than this part of the contact margin were not
-/// foreseen. Those that were there before no halving mends.
+/// Half of what a step looks ahead for: overlaps that grow by more than this part of the contact
+/// margin were not foreseen. Those that were there before no halving mends.
 const UNFORESEEN: f64 = 0.5;
-/// An error of this many tolerances is no rounding of the answer: at the default tolerance 1 mm/s, which in the
-/// longest usual step of 16.7 ms moves a point by a sixtieth of the contact margin.
+/// An error of this many tolerances is no rounding of the answer: at the default tolerance 1 mm/s,
+/// which in the longest usual step of 16.7 ms moves a point by a sixtieth of the contact margin.
 const MISS: f64 = 100.0;
 
-/// Farthest that contact looks when it looks again, in margins: two fingers' widths; beyond, all of a hand would be
-/// met.
+/// Farthest that contact looks when it looks again, in margins: two fingers' widths; beyond, all of
+/// a hand would be met.
 const REACH_MAX: f64 = 32.0;
 
-/// Most halvings for the sake of elements that are asked one by one. Each part may let in as much energy as the motion
-/// within it, so that many short ones together let in a burst: an element of Ogden's law drawn out threefold came to
-/// seven times its energy in parts of a thirty-second. What is unforeseen in an eighth is cut short.
+/// Most halvings for the sake of elements that are asked one by one. Each part may let in as much
+/// energy as the motion within it, so that many short ones together let in a burst: an element of
+/// Ogden's law drawn out threefold came to seven times its energy in parts of a thirty-second. What
+/// is unforeseen in an eighth is cut short.
 const FLESH_HALVINGS_MAX: u32 = 3;
 
 /// Most halvings of a step: it then has a thousand parts, and is made three thousand times at most.
@@ -52,8 +54,8 @@ pub struct StepParts {
     done: u32,
     length: u32,
     reach: f64,
-    /// How often a part was taken back: at most twice for each of the shortest, so that a step costs three times
-    /// these.
+    /// How often a part was taken back: at most twice for each of the shortest, so that a step
+    /// costs three times these.
     retries: u32,
 }
 
@@ -75,8 +77,9 @@ impl StepParts {
         })
     }
 
-    /// Makes the part to be made once more: half as long, or, when that is not to be, with contact that looks as far as
-    /// anything went in the attempt before. False when it was that already, or retries run out.
+    /// Makes the part to be made once more: half as long, or, when that is not to be, with contact
+    /// that looks as far as anything went in the attempt before. False when it was that already, or
+    /// retries run out.
     pub fn retry(&mut self, travel: f64) -> bool {
         if self.units == 1 || self.retries == 2 * self.units {
             return false;
@@ -89,8 +92,9 @@ impl StepParts {
         std::mem::replace(&mut self.reach, travel) == 0.0 && travel > 0.0
     }
 
-    /// Makes it once more for what elements did that are asked one by one, which neither parts below an eighth of the step
-    /// mend nor contact that looks farther. False when it is as short, or retries run out.
+    /// Makes it once more for what elements did that are asked one by one, which neither parts
+    /// below an eighth of the step mend nor contact that looks farther. False when it is as short,
+    /// or retries run out.
     pub fn retry_flesh(&mut self) -> bool {
         self.length > self.units >> FLESH_HALVINGS_MAX && self.retry(0.0)
     }
@@ -106,8 +110,8 @@ impl StepParts {
 }
 
 impl World {
-    /// True when contact carried the part just made through. Looks for overlaps, and reports them, only where
-    /// something was near and has moved far enough to make one.
+    /// True when contact carried the part just made through. Looks for overlaps, and reports them,
+    /// only where something was near and has moved far enough to make one.
     pub(super) fn was_carried(&mut self, report: &mut StepReport) -> bool {
         if report.non_finite {
             return true;
@@ -118,7 +122,8 @@ impl World {
         // What was cut short is not made better by more of it.
         let missed = missed && !self.solver.was_cut_short();
         let unforeseen = UNFORESEEN * push_out::margin(settings);
-        // No halving makes room for contacts: a crowd that is too large for a step is as much so for its parts.
+        // No halving makes room for contacts: a crowd that is too large for a step is as much so
+        // for its parts.
         let crowded = matches!(report.failure, Some(Failure::TooManyContacts { .. }));
         // Two bodies come together by the travel of both.
         if self.scratch.found.is_empty() || 2.0 * self.travel() <= unforeseen {
@@ -134,7 +139,8 @@ impl World {
         self.travel().min(REACH_MAX * push_out::margin(&self.desc.solver))
     }
 
-    /// How far anything has moved since the start of the part \[m\]; a plane that tilts does not count.
+    /// How far anything has moved since the start of the part \[m\]; a plane that tilts does not
+    /// count.
     fn travel(&self) -> f64 {
         let Self { state, scratch, detector, .. } = self;
         let before = &scratch.before;
@@ -147,8 +153,8 @@ impl World {
         bodies.fold(nodes.fold(0.0, f64::max).sqrt(), f64::max)
     }
 
-    /// Deepest overlap now \[m\], of pairs that are deeper by more than `slack` than one of their bodies was anywhere at
-    /// the start of the part.
+    /// Deepest overlap now \[m\], of pairs that are deeper by more than `slack` than one of their
+    /// bodies was anywhere at the start of the part.
     fn deepening(&mut self, slack: f64) -> f64 {
         // The vertices are those of the start of the part.
         let Self { scratch, model, state, .. } = self;
@@ -185,7 +191,8 @@ impl World {
         detector.deepening(places, surfaces, &scratch.sides, known, moved)
     }
 
-    /// Scales the impulses that contact and limits remember of the last step to one of another length.
+    /// Scales the impulses that contact and limits remember of the last step to one of another
+    /// length.
     pub(super) fn remember_for(&mut self, h: f64, h_new: f64) {
         if h != h_new {
             self.state.scale_impulses(h_new / h);
@@ -217,7 +224,8 @@ impl StepReport {
 mod tests {
     use super::*;
 
-    /// The lengths of the parts, in eighths, when those go well of which their begin and length say so.
+    /// The lengths of the parts, in eighths, when those go well of which their begin and length say
+    /// so.
     fn lengths(goes_well: impl Fn(u32, u32) -> bool) -> Vec<u32> {
         let mut parts = StepParts::whole(0.8, 3);
         let (mut made, mut begin) = (Vec::new(), 0);
@@ -235,7 +243,8 @@ mod tests {
         made
     }
 
-    /// Flesh alone has no part shorter than an eighth of the step; none is made twice at that length.
+    /// Flesh alone has no part shorter than an eighth of the step; none is made twice at that
+    /// length.
     #[test]
     fn flesh_halves_a_step_three_times_at_most() {
         for (halvings, shortest) in [(0, 1.0), (2, 0.25), (3, 0.125), (5, 0.125), (10, 0.125)] {

@@ -8,24 +8,26 @@ use crate::world::model::Model;
 use crate::world::scheme::Scheme;
 use crate::world::state::{Scratch, State};
 
-/// A free elastic body whose one side is moved by s leaves it with up to 2 s (a bar struck at one end),
-/// and would so rise by `2 s²/g`: overlaps are undone at the speed that makes this part of
+/// A free elastic body whose one side is moved by s leaves it with up to 2 s (a bar struck at one
+/// end), and would so rise by `2 s²/g`: overlaps are undone at the speed that makes this part of
 /// the contact margin, whatever the stiffness.
 const LIFT: f64 = 0.1;
-/// A fold of one body lifts little but itself: by as much as the margin, within which surfaces meet anyway.
+/// A fold of one body lifts little but itself: by as much as the margin, within which surfaces meet
+/// anyway.
 const FOLD_LIFT: f64 = 1.0;
 /// Standard gravity \[m/s²\], also where there is none.
 const GRAVITY: f64 = 9.80665;
-/// Gaps and overlaps that the default tolerance of velocities makes in this many steps are its doing: such overlaps
-/// are not worth a solve.
+/// Gaps and overlaps that the default tolerance of velocities makes in this many steps are its
+/// doing: such overlaps are not worth a solve.
 const STEPS_OF_TOLERANCE: f64 = 4.0;
-/// The part of such an overlap that is left when one is undone: a body is not moved by more at once than the
-/// tolerance may move it.
+/// The part of such an overlap that is left when one is undone: a body is not moved by more at once
+/// than the tolerance may move it.
 const LEFT: f64 = 1.0 - 1.0 / STEPS_OF_TOLERANCE;
 /// The part of such a gap that is closed in a step.
 const CLOSED_IN_A_STEP: f64 = 0.25 / STEPS_OF_TOLERANCE;
 
-/// How fast overlaps are undone at most \[m/s\]: 22 mm/s at a margin of 1 mm, 70 mm/s where a body overlaps itself.
+/// How fast overlaps are undone at most \[m/s\]: 22 mm/s at a margin of 1 mm, 70 mm/s where a body
+/// overlaps itself.
 pub fn speed_max(settings: &SolverSettings, lift: f64) -> f64 {
     (0.5 * GRAVITY * lift * margin(settings)).sqrt()
 }
@@ -41,22 +43,23 @@ pub fn margin(settings: &SolverSettings) -> f64 {
     if margin > 0.0 { margin } else { SolverSettings::default().contact_margin }
 }
 
-/// How far contacts may be apart or overlap by what the tolerance makes of them \[m\], 40 nm at 1 ms: of the default
-/// tolerance, as what is asked of the solver must not change what it solves.
+/// How far contacts may be apart or overlap by what the tolerance makes of them \[m\], 40 nm at 1
+/// ms: of the default tolerance, as what is asked of the solver must not change what it solves.
 pub fn slack(h: f64) -> f64 {
     STEPS_OF_TOLERANCE * SolverSettings::default().velocity_tolerance * h
 }
 
-/// How fast a contact may close at `gap` \[m/s\], as a target, not above zero. A gap within the `slack` closes by
-/// a part in each step, no faster than a quarter of the tolerance: to undo an overlap opens other contacts a
-/// little, and a body that fell so far at once would lose a part of its weight for a step,
-/// `4 · 10 µm/s / (g h)`, 0.4 % at 1 ms.
+/// How fast a contact may close at `gap` \[m/s\], as a target, not above zero. A gap within the
+/// `slack` closes by a part in each step, no faster than a quarter of the tolerance: to undo an
+/// overlap opens other contacts a little, and a body that fell so far at once would lose a part of
+/// its weight for a step, `4 · 10 µm/s / (g h)`, 0.4 % at 1 ms.
 pub fn closing(gap: f64, slack: f64, h: f64) -> f64 {
     let open = gap.max(0.0);
     -((open - slack).max(0.0) + open.min(slack) * CLOSED_IN_A_STEP) / h
 }
 
-/// The wish of a contact at `gap` \[m\] that opens at `speed` \[m/s\], if overlaps up to `left` \[m\] are left.
+/// The wish of a contact at `gap` \[m\] that opens at `speed` \[m/s\], if overlaps up to `left`
+/// \[m\] are left.
 pub fn wish(gap: f64, left: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
     let least = (-gap.max(0.0) / h - speed).min(0.0);
     if gap >= -left {
@@ -65,12 +68,12 @@ pub fn wish(gap: f64, left: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
     Wish { wanted: ((-(gap + left) / h).min(speed_max) - speed).max(least), least }
 }
 
-/// Lists what all rows ask for, given the velocities at the end of the step. False when none asks for
-/// more than the tolerance and overlaps by more than the slack. A contact may be pushed faster by as much as
-/// its sides would close without it in this step: that gives no more than a landing at this speed would, and keeps
-/// pace with surfaces that are driven together. A load closes them likewise: where they overlap by more than the
-/// contact margin, that part falls with the square of the depth, as the energy it gives does, lest
-/// a body that is let out throws what rests on it.
+/// Lists what all rows ask for, given the velocities at the end of the step. False when none asks
+/// for more than the tolerance and overlaps by more than the slack. A contact may be pushed faster
+/// by as much as its sides would close without it in this step: that gives no more than a landing
+/// at this speed would, and keeps pace with surfaces that are driven together. A load closes them
+/// likewise: where they overlap by more than the contact margin, that part falls with the square of
+/// the depth, as the energy it gives does, lest a body that is let out throws what rests on it.
 pub fn list(settings: &SolverSettings, state: &State, h: f64, scratch: &mut Scratch) -> bool {
     let Scratch { found, gaps, rows, wishes, limits, .. } = scratch;
     gaps.clear();
@@ -117,8 +120,8 @@ mod tests {
     use super::*;
     use crate::contact::SurfacePoint;
 
-    /// An elastic body that is pushed from one side leaves at twice that speed, and rises by a tenth of the margin; a
-    /// fold by the margin.
+    /// An elastic body that is pushed from one side leaves at twice that speed, and rises by a
+    /// tenth of the margin; a fold by the margin.
     #[test]
     fn what_is_moved_apart_rises_by_a_part_of_the_margin() {
         for margin in [2e-4, 1e-3, 5e-3] {

@@ -1,8 +1,9 @@
-//! The last step's result as others read it until the next one: contacts with their rows, and surfaces.
+//! The last step's result as others read it until the next one: contacts with their rows, and
+//! surfaces.
 //!
-//! A step works on its contacts in [`Scratch`]. Their lists are in one place at a time: [`Readout::lend`]
-//! gives the memory to the step, empty, and [`Readout::take`] takes the filled lists back. So nothing is copied or
-//! allocated, and no step can read contacts of the one before.
+//! A step works on its contacts in [`Scratch`]. Their lists are in one place at a time:
+//! [`Readout::lend`] gives the memory to the step, empty, and [`Readout::take`] takes the filled
+//! lists back. So nothing is copied or allocated, and no step can read contacts of the one before.
 
 use crate::contact::Contact;
 use crate::math::Vec3;

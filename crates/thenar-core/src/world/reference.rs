@@ -73,8 +73,8 @@ impl Scheme for DenseReference {
     }
 }
 
-/// Velocities of skeleton and flesh together, joints included, and the factored system. `None` when it
-/// is singular.
+/// Velocities of skeleton and flesh together, joints included, and the factored system. `None` when
+/// it is singular.
 fn solve(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> Option<DenseSystem> {
     let unknowns = 3 * model.rows();
     let (mut J, mut c) = (Vec::new(), Vec::new());

@@ -34,10 +34,10 @@ pub fn detect(
     detector.find(reach, places, surfaces, &state.sides, &mut scratch.sides, &mut scratch.found)
 }
 
-/// Builds the rows of the contacts found, `J (v + Δv) ≥ -g₊/Δt`, started from the impulses of the step
-/// before; a gap within the slack (`push_out::slack`) closes gently. An overlap asks for no speed: it does not grow, and
-/// `push_out` undoes it. So no target is above zero, zero velocity obeys all rows, and contacts cannot
-/// contradict each other.
+/// Builds the rows of the contacts found, `J (v + Δv) ≥ -g₊/Δt`, started from the impulses of the
+/// step before; a gap within the slack (`push_out::slack`) closes gently. An overlap asks for no
+/// speed: it does not grow, and `push_out` undoes it. So no target is above zero, zero velocity
+/// obeys all rows, and contacts cannot contradict each other.
 pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     let rows = &mut scratch.rows;
     rows.clear();
@@ -63,8 +63,8 @@ pub fn apply(state: &mut State, scratch: &Scratch) {
     keep_impulses(state, scratch);
 }
 
-/// Keeps the impulses of contacts for the next step, but for what is no number: a state may have begun with
-/// impulses that no sum of them can hold.
+/// Keeps the impulses of contacts for the next step, but for what is no number: a state may have
+/// begun with impulses that no sum of them can hold.
 fn keep_impulses(state: &mut State, scratch: &Scratch) {
     let rows = scratch.found.iter().zip(&scratch.rows.rows);
     let impulses = rows.map(|(contact, row)| (contact.key, row.frame.tr_mul(&row.lambda)));
@@ -212,9 +212,10 @@ mod tests {
         world
     }
 
-    /// Lifted by half of what the tolerance makes of a gap, a cube does not fall: `½ · 4 · 10 µm/s · 1 ms` at once would
-    /// take 0.2 % of its weight. It comes down by so little in a step that a quarter of what the tolerance
-    /// makes of its weight is not exceeded, and lies where it lay in the end.
+    /// Lifted by half of what the tolerance makes of a gap, a cube does not fall:
+    /// `½ · 4 · 10 µm/s · 1 ms` at once would take 0.2 % of its weight. It comes down by so little
+    /// in a step that a quarter of what the tolerance makes of its weight is not exceeded, and lies
+    /// where it lay in the end.
     #[test]
     fn what_hovers_by_the_tolerance_keeps_its_weight() {
         let mut world = resting(SolverKind::Exact);
@@ -235,7 +236,8 @@ mod tests {
         assert!(off.abs() < 1e-3 * lift, "{off} m");
     }
 
-    /// An overlap that is undone moves a body by no more than the tolerance does in a step; a deep one goes at once.
+    /// An overlap that is undone moves a body by no more than the tolerance does in a step; a deep
+    /// one goes at once.
     #[test]
     fn small_overlaps_are_undone_in_small_parts() {
         for (depth, part) in [(1.05, 0.3), (100.0, 100.0)] {

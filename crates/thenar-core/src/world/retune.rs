@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 impl World {
     /// Goes on with the parameters of another description of the same bodies: gravity, time step,
-    /// solver, masses and inertias, materials, damping, friction, pair rules, drives, joint
-    /// springs and limits, coupling springs, and offsets by pose, as many as there are, may differ. The state stays, with all that contact
-    /// remembers. Gravity acts through the next [`Input`](crate::world::Input).
-    /// Allocates.
+    /// solver, masses and inertias, materials, damping, friction, pair rules, drives, joint springs
+    /// and limits, coupling springs, and offsets by pose, as many as there are, may differ. The
+    /// state stays, with all that contact remembers. Gravity acts through the next
+    /// [`Input`](crate::world::Input). Allocates.
     ///
     /// # Errors
     /// The description is wrong, or bodies, shapes, meshes, bindings or joints differ. The world

@@ -120,8 +120,8 @@ pub trait Scheme {
         Ok(())
     }
 
-    /// True when this scheme undoes overlaps. A step that is made safely does not: what that adds is not
-    /// known to bring in no energy.
+    /// True when this scheme undoes overlaps. A step that is made safely does not: what that adds
+    /// is not known to bring in no energy.
     fn pushes_out(&self) -> bool {
         true
     }

@@ -7,9 +7,9 @@ use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 use crate::world::{Input, StageTimer, StepReport, World, advance};
 
 impl World {
-    /// Makes the step that has just failed once more, without what made it fail: islands with numbers
-    /// that make no sense stay where they are, at rest. False when that is nothing, or all, or does not
-    /// help.
+    /// Makes the step that has just failed once more, without what made it fail: islands with
+    /// numbers that make no sense stay where they are, at rest. False when that is nothing, or all,
+    /// or does not help.
     pub(super) fn step_without_what_fails(
         &mut self,
         part: StepPart,

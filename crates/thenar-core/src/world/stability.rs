@@ -8,8 +8,9 @@ use crate::world::World;
 /// Joint corrections larger than this times what is needed grow from step to step: an error e
 /// becomes `(1 - γ) e`.
 const OVER_CORRECTION_MAX: f64 = 2.0;
-/// Bound like [`OVER_CORRECTION_MAX`], when joints are closed once more at the end of a step: the soft finger of
-/// `tests/all/skeleton/coupled_finger.rs` was stable up to 117 and diverged from 207 on.
+/// Bound like [`OVER_CORRECTION_MAX`], when joints are closed once more at the end of a step: the
+/// soft finger of `tests/all/skeleton/coupled_finger.rs` was stable up to 117 and diverged from 207
+/// on.
 const OVER_CORRECTION_CLOSED_MAX: f64 = 50.0;
 
 impl World {
@@ -55,8 +56,8 @@ impl World {
         (inverse * frozen * inverse.transpose()).symmetric_eigenvalues().max()
     }
 
-    /// What in the present settings is known to diverge or not to be followed, one sentence each; empty when nothing is.
-    /// Allocates: for use outside the stepped loop.
+    /// What in the present settings is known to diverge or not to be followed, one sentence each;
+    /// empty when nothing is. Allocates: for use outside the stepped loop.
     pub fn stability_warnings(&self) -> Vec<String> {
         let settings = &self.desc.solver;
         if settings.kind != SolverKind::TwoStep || settings.step1_flesh != FleshInStep1::Frozen {
@@ -89,7 +90,8 @@ impl World {
     }
 }
 
-/// `(∂f/∂q_j)ᵀ ∂f/∂q_j` of a node's target, in the frame of its bone j; where rotations are blended, at rest.
+/// `(∂f/∂q_j)ᵀ ∂f/∂q_j` of a node's target, in the frame of its bone j; where rotations are
+/// blended, at rest.
 fn own_block(bound: &BoundNode, j: usize) -> Mat6 {
     let weight = bound.weights[j];
     let turn = skew(&(bound.offsets[j] * weight));

@@ -19,8 +19,8 @@ impl World {
 
     /// Goes back (or on) to a state of this world, kept by cloning [`World::state`]: with the same
     /// inputs it steps from there with the same bits. Returns false, and stays as it is, when the
-    /// state is of a world with other bodies, has a number that is not finite, a rotation of no length, or a patch that
-    /// is pulled.
+    /// state is of a world with other bodies, has a number that is not finite, a rotation of no
+    /// length, or a patch that is pulled.
     pub fn restore(&mut self, state: &State) -> bool {
         if !self.fits(state) {
             return false;
@@ -53,8 +53,9 @@ impl World {
         }
     }
 
-    /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a number
-    /// is not finite or beyond 1e9, or the rotation has no length. The flesh around a bone stays where it is.
+    /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a
+    /// number is not finite or beyond 1e9, or the rotation has no length. The flesh around a bone
+    /// stays where it is.
     ///
     /// # Panics
     /// When there is no rigid body `i`.
@@ -69,8 +70,8 @@ impl World {
     }
 
     /// Places the nodes of a deformable body \[m\]; their velocities stay. Ignored when the number
-    /// of positions is not that of its nodes or one is not finite or beyond 1e9. Held nodes are held where they
-    /// are put.
+    /// of positions is not that of its nodes or one is not finite or beyond 1e9. Held nodes are
+    /// held where they are put.
     pub fn set_nodes(&mut self, soft: u32, positions_W: &[Vec3]) {
         let range = self.node_range(soft);
         if !positions_W.iter().all(is_sound_position) || positions_W.len() != range.len() {

@@ -99,7 +99,8 @@ impl State {
         }
     }
 
-    /// Sorts lists that are searched, and stops held nodes along their axes: a state that was read back may say otherwise.
+    /// Sorts lists that are searched, and stops held nodes along their axes: a state that was read
+    /// back may say otherwise.
     pub(super) fn tidy(&mut self, model: &Model) {
         self.hold(model);
         self.turn_rightly();
@@ -130,7 +131,8 @@ impl State {
         self.faded.clone_from(&other.faded);
     }
 
-    /// All but the sides and what tissue remembers, which change only when a part of a step is accepted.
+    /// All but the sides and what tissue remembers, which change only when a part of a step is
+    /// accepted.
     pub(super) fn copy_motion(&mut self, other: &Self) {
         self.time = other.time;
         self.poses_WB.copy_from_slice(&other.poses_WB);
@@ -220,8 +222,9 @@ pub fn is_sound_pose(pose: &Pose) -> bool {
     is_sound_position(&pose.position) && pose.is_finite()
 }
 
-/// Memory that a step works in: nobody reads afterwards what is in it. The lists of contacts and limits are lent
-/// by `Readout`, which has them between steps. (`coupled` says what of `A` is to be cleared.)
+/// Memory that a step works in: nobody reads afterwards what is in it. The lists of contacts and
+/// limits are lent by `Readout`, which has them between steps. (`coupled` says what of `A` is to be
+/// cleared.)
 #[derive(Clone, Debug)]
 pub struct Scratch {
     /// The system matrix A.
@@ -278,7 +281,8 @@ pub struct Scratch {
     pub chosen: Room<u32>,
     /// How deep each rigid, then each deformable body was in others when the part began \[m\].
     pub depths: Vec<f64>,
-    /// Gaps of the contacts reported at the end of the step \[m\]; before, those of all rows at its start.
+    /// Gaps of the contacts reported at the end of the step \[m\]; before, those of all rows at its
+    /// start.
     pub gaps: Room<f64>,
     /// What all rows ask of the pseudo-velocity that undoes overlaps.
     pub wishes: Room<Wish>,

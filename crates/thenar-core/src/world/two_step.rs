@@ -104,8 +104,8 @@ impl Scheme for TwoStep {
 /// ```
 ///
 /// With the flesh frozen S is A_s, S_sf is A_sf, and this is Eq. 10 itself; otherwise both hold
-/// what the bones feel of flesh that yields (`coupling::EffectiveMass`). The state's bone velocities become
-/// `v_s,1`, and `b_s` becomes `b_s - J_sᵀ λ_s`, which is the `b_s,2` of Eq. 11.
+/// what the bones feel of flesh that yields (`coupling::EffectiveMass`). The state's bone
+/// velocities become `v_s,1`, and `b_s` becomes `b_s - J_sᵀ λ_s`, which is the `b_s,2` of Eq. 11.
 ///
 /// # Errors
 /// A pivot is singular.
@@ -191,8 +191,8 @@ fn close_joints(
     Ok(())
 }
 
-/// Brings the pseudo-velocity of bones back to what joints allow, as step 1 does with velocities. What
-/// cannot be brought back pushes nothing.
+/// Brings the pseudo-velocity of bones back to what joints allow, as step 1 does with velocities.
+/// What cannot be brought back pushes nothing.
 fn keep_joints(model: &Model, scratch: &mut Scratch) {
     if model.joints.is_empty() {
         return;
@@ -331,8 +331,8 @@ fn anticipation_settings(settings: &SolverSettings) -> AnticipationSettings {
     }
 }
 
-/// Shortens the velocities of each island so that the step brings in no energy, as `Exact::calm` does;
-/// joint impulses, which do no work where joints hold, are left out.
+/// Shortens the velocities of each island so that the step brings in no energy, as `Exact::calm`
+/// does; joint impulses, which do no work where joints hold, are left out.
 fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
     let bones = scratch.b_kept.len();
     scratch.b[..bones].copy_from_slice(&scratch.b_kept);

@@ -1,11 +1,12 @@
 //! Invariants of a world after every step and every change from outside, whatever came in.
 //!
-//! Box2D calls as much world validation. [`World::validate`] may be asked at any time; each step asks by
-//! itself where debug assertions are on, so that every test of every crate does. What only a step can know (that led bodies
-//! went where they were led, that held nodes stayed, and by which cone of friction contact was solved) is asked there alone.
+//! Box2D calls as much world validation. [`World::validate`] may be asked at any time; each step
+//! asks by itself where debug assertions are on, so that every test of every crate does. What only
+//! a step can know (that led bodies went where they were led, that held nodes stayed, and by which
+//! cone of friction contact was solved) is asked there alone.
 //!
-//! Steps that fail are no exception: what is not finite is taken back before anyone can look, and an answer of contact
-//! that did not converge still lies in the cones of friction.
+//! Steps that fail are no exception: what is not finite is taken back before anyone can look, and
+//! an answer of contact that did not converge still lies in the cones of friction.
 
 use crate::math::{Pose, Quat, ROTATION_OFF, Vec3, is_turn};
 use crate::model::{BodyId, Cone};
@@ -18,21 +19,22 @@ use crate::world::state::{State, is_sound_position, is_sound_velocity};
 use crate::world::{ContactPoint, Input, StepReport, World};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Lengths of normals are off by so much at most. They are of length one to some roundings (2e-16 each) where they
-/// arise, and then turned from a part's frame to its shape's, its body's and the world's: by a rotation of length 1 + δ a
-/// vector gets 1 + 2 δ as long, with δ up to [`ROTATION_OFF`].
+/// Lengths of normals are off by so much at most. They are of length one to some roundings (2e-16
+/// each) where they arise, and then turned from a part's frame to its shape's, its body's and the
+/// world's: by a rotation of length 1 + δ a vector gets 1 + 2 δ as long, with δ up to
+/// [`ROTATION_OFF`].
 const NORMAL_OFF: f64 = 7.0 * ROTATION_OFF;
 
-/// Part of a force by which it may leave its cone, to which solvers keep to 1e-12 (`contact_law`): the normal is off by as
-/// much, and so is each tangent, which is made of it.
+/// Part of a force by which it may leave its cone, to which solvers keep to 1e-12 (`contact_law`):
+/// the normal is off by as much, and so is each tangent, which is made of it.
 const CONE_OFF: f64 = 4.0 * NORMAL_OFF;
 
-/// Impulses in the frame in which they were found keep to their bounds to this part: that of the contact law, and as much
-/// again for roundings.
+/// Impulses in the frame in which they were found keep to their bounds to this part: that of the
+/// contact law, and as much again for roundings.
 const BOUND_OFF: f64 = 2e-12;
 
-/// Weights of a contact's two sides may differ by so much in sum: those of a surface's vertices may be off by
-/// 1e-6 in a description, on either side, and there are up to 24 roundings.
+/// Weights of a contact's two sides may differ by so much in sum: those of a surface's vertices may
+/// be off by 1e-6 in a description, on either side, and there are up to 24 roundings.
 const PAIR_OFF: f64 = 2.1e-6;
 
 /// One thing that does not hold of a world.
@@ -127,11 +129,12 @@ fn finite<'a>(
 }
 
 impl World {
-    /// Looks whether everything holds that must hold of a world between steps: the state has the lengths of its model and
-    /// finite numbers within 1e9, rotations are rotations, held nodes rest along their axes, and what memory is searched is in order;
-    /// contacts of the last step point somewhere, push, keep within Coulomb's cone (the linearised one lies within it),
-    /// have an area and put on one body what they take from the other; limits push away from their bounds. One pass, which allocates
-    /// nothing.
+    /// Looks whether everything holds that must hold of a world between steps: the state has the
+    /// lengths of its model and finite numbers within 1e9, rotations are rotations, held nodes rest
+    /// along their axes, and what memory is searched is in order; contacts of the last step point
+    /// somewhere, push, keep within Coulomb's cone (the linearised one lies within it), have an
+    /// area and put on one body what they take from the other; limits push away from their bounds.
+    /// One pass, which allocates nothing.
     ///
     /// # Errors
     /// The first thing that does not hold.
@@ -143,7 +146,8 @@ impl World {
         self.limits_are_valid()
     }
 
-    /// Asks as [`World::validate`] does, and whether contact was solved with the cone of the settings.
+    /// Asks as [`World::validate`] does, and whether contact was solved with the cone of the
+    /// settings.
     ///
     /// # Errors
     /// The first thing that does not hold.
@@ -161,7 +165,8 @@ impl World {
         })
     }
 
-    /// Looks whether a part of a step has put led bodies where they were led, and left held nodes where they were held.
+    /// Looks whether a part of a step has put led bodies where they were led, and left held nodes
+    /// where they were held.
     ///
     /// # Errors
     /// The first thing that is elsewhere.
@@ -214,7 +219,8 @@ impl World {
         })
     }
 
-    /// Weights of what a row holds, negative on side B: the part of its force that no body feels the opposite of.
+    /// Weights of what a row holds, negative on side B: the part of its force that no body feels
+    /// the opposite of.
     fn sum_of_weights(&self, row: &ContactRow) -> f64 {
         let nodes = row.nodes.start as usize..row.nodes.end as usize;
         let of_nodes: f64 = self.readout.rows.weights[nodes].iter().sum();

@@ -1,5 +1,5 @@
-//! The functions of OpenXR 1.0 that hand tracking without a picture needs; the others exist, as they
-//! must, and refuse.
+//! The functions of OpenXR 1.0 that hand tracking without a picture needs; the others exist, as
+//! they must, and refuse.
 //!
 //! Pointers are the caller's: each function relies on what the specification promises of them
 //! (valid, or null where null means something), and checks the rest.

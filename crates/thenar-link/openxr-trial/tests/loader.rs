@@ -1,7 +1,7 @@
-//! Goal: the real driver, through the real Khronos loader, gets hands from a runtime, loses and takes
-//! up what a runtime may lose, and says in one line what is missing. Method: each test has a process
-//! of its own (`openxr-hands`) whose `XR_RUNTIME_JSON` names the trial runtime, and writes that
-//! runtime's script while it goes. The loader must be installed (Debian: libopenxr-loader1).
+//! Goal: the real driver, through the real Khronos loader, gets hands from a runtime, loses and
+//! takes up what a runtime may lose, and says in one line what is missing. Method: each test has a
+//! process of its own (`openxr-hands`) whose `XR_RUNTIME_JSON` names the trial runtime, and writes
+//! that runtime's script while it goes. The loader must be installed (Debian: libopenxr-loader1).
 
 #![cfg(target_os = "linux")]
 
@@ -118,7 +118,8 @@ impl Trial {
         Hand::read(&self.until(&format!("hand {name} ")).0)
     }
 
-    /// Ends the program; returns the runtime's log, which tells of nothing against the specification.
+    /// Ends the program; returns the runtime's log, which tells of nothing against the
+    /// specification.
     fn end(mut self) -> Vec<String> {
         drop(self.child.stdin.take());
         self.until("ended");
@@ -250,8 +251,8 @@ fn a_session_that_stops_goes_on() {
     assert_eq!(log[1..6], runs);
 }
 
-/// The runtime ends the session, its loss is near, the instance's too, or calls fail: it is told once,
-/// and when the runtime is back so are the hands.
+/// The runtime ends the session, its loss is near, the instance's too, or calls fail: it is told
+/// once, and when the runtime is back so are the hands.
 #[test]
 fn what_the_runtime_ends_is_taken_up_again() {
     let ways = [
@@ -275,7 +276,8 @@ fn what_the_runtime_ends_is_taken_up_again() {
     trial.end();
 }
 
-/// What is missing is told in one line that names it, nothing moves, and it is taken up when it comes.
+/// What is missing is told in one line that names it, nothing moves, and it is taken up when it
+/// comes.
 #[test]
 fn what_is_missing_is_named() {
     let cases = [

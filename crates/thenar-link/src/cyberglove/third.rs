@@ -73,8 +73,8 @@ impl Third {
         }
     }
 
-    /// True if the packet in front is one, and not the beginning of one and what came after bytes were lost: every
-    /// sensor is within its range, and no other packet begins within it.
+    /// True if the packet in front is one, and not the beginning of one and what came after bytes
+    /// were lost: every sensor is within its range, and no other packet begins within it.
     fn is_whole(&self) -> bool {
         let most = self.profile.glove.full_scale.max(CONVERTER_MAX);
         let packet = &self.bytes[..PACKET];
@@ -151,8 +151,8 @@ mod tests {
     use crate::profile::{Address, load};
     use crate::twin::Twin;
 
-    /// Packets of a hand that closes, cut short anywhere: what is left of one never becomes a pose, and those that come
-    /// whole all do, but the one behind a cut that hides its beginning.
+    /// Packets of a hand that closes, cut short anywhere: what is left of one never becomes a pose,
+    /// and those that come whole all do, but the one behind a cut that hides its beginning.
     #[test]
     fn spliced_packets_are_refused() {
         let address = Address::parse("cyberglove3", "x").unwrap();

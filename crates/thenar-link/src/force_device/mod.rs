@@ -28,7 +28,8 @@ const GAP_NS: u64 = 400_000;
 const SILENCE_NS: u64 = 20_000_000;
 /// A device that was silent for so long may number its states anew \[ns\].
 const RESTART_NS: u64 = 100_000_000;
-/// A release is numbered so far ahead: a keeper has the number of 5 ms ago, and a command goes out every 0.4 ms at most.
+/// A release is numbered so far ahead: a keeper has the number of 5 ms ago, and a command goes out
+/// every 0.4 ms at most.
 const RELEASE_AHEAD: u32 = 64;
 /// How long the fingers take to close when the button is pressed \[s\].
 const CLOSING: f64 = 0.15;

@@ -209,8 +209,8 @@ fn damaged_datagrams_do_no_harm() {
     assert_eq!(collect(&mut device, now, &[&state(1, now)]).len(), 1);
 }
 
-/// A keeper has the release of 5 ms ago. The bridge takes it for newer than all that was commanded since, and what is
-/// commanded when the program is back for newer again.
+/// A keeper has the release of 5 ms ago. The bridge takes it for newer than all that was commanded
+/// since, and what is commanded when the program is back for newer again.
 #[test]
 fn a_release_is_newer_than_what_it_releases() {
     let (mut device, mut arm) = (ForceDevice::new(setup()), SimulatedArm::new());

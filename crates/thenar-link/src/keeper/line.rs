@@ -1,5 +1,6 @@
-//! The program's end of the line to a keeper. A message is one byte of length and as many that set the device free; the
-//! length 0 says that the device is free. The keeper answers a byte when it has taken over.
+//! The program's end of the line to a keeper. A message is one byte of length and as many that set
+//! the device free; the length 0 says that the device is free. The keeper answers a byte when it
+//! has taken over.
 
 use super::{ARGUMENT, BEAT_NS, GONE_NS, program};
 use std::io::{self, ErrorKind, Read, Write};
@@ -41,8 +42,8 @@ impl Keeping {
         Ok(Some(Self { keeper: Some(keeper), line, beat_ns: None }))
     }
 
-    /// Says that the program lives, when that is due; `release` gives the bytes that set the device free now. True if the
-    /// keeper has taken over meanwhile: then the device holds nothing.
+    /// Says that the program lives, when that is due; `release` gives the bytes that set the device
+    /// free now. True if the keeper has taken over meanwhile: then the device holds nothing.
     ///
     /// # Errors
     /// The keeper is gone, or does not listen.
@@ -83,7 +84,8 @@ impl Keeping {
 }
 
 impl Keeping {
-    /// Ends the keeper: at once where the device is `free`; else it releases the device for its second. Waits for nothing.
+    /// Ends the keeper: at once where the device is `free`; else it releases the device for its
+    /// second. Waits for nothing.
     pub fn end(mut self, free: bool) {
         // A keeper that does not hear this sees the line break, and releases.
         let heard = free && self.line.write(&[0]).is_ok_and(|sent| sent == 1);
@@ -92,8 +94,8 @@ impl Keeping {
         self.leave(if heard { ENDING } else { outliving + ENDING });
     }
 
-    /// Leaves the keeper to a thread that collects its end, and kills it when that is late: a process that hangs in the
-    /// system may end never.
+    /// Leaves the keeper to a thread that collects its end, and kills it when that is late: a
+    /// process that hangs in the system may end never.
     fn leave(&mut self, patience: Duration) {
         let Some(mut keeper) = self.keeper.take() else { return };
         let collect = move || {

@@ -10,7 +10,8 @@ use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
-/// Keeps the device behind standard output for the program at the other end of standard input, until neither needs it.
+/// Keeps the device behind standard output for the program at the other end of standard input,
+/// until neither needs it.
 ///
 /// # Errors
 /// Standard input is not such a line: somebody else has started this.
@@ -75,8 +76,8 @@ fn keep(line: &mut UnixStream, device: &mut impl Write) -> io::Result<()> {
     }
 }
 
-/// True if the device's port or socket is gone for good; what it does not take now it is sent again, as when a network is
-/// down for a while.
+/// True if the device's port or socket is gone for good; what it does not take now it is sent
+/// again, as when a network is down for a while.
 fn is_lost(sent: io::Result<usize>) -> bool {
     use rustix::io::Errno;
     let gone = [ErrorKind::BrokenPipe, ErrorKind::ConnectionReset, ErrorKind::NotConnected];
@@ -121,7 +122,8 @@ mod tests {
         }
     }
 
-    /// A line whose other end is dropped after a beat: the device gets the newest release, for a second, then nothing.
+    /// A line whose other end is dropped after a beat: the device gets the newest release, for a
+    /// second, then nothing.
     #[test]
     fn the_newest_release_is_sent_when_the_line_breaks() {
         let (mut program, mut line) = UnixStream::pair().unwrap();

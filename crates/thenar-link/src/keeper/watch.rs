@@ -4,12 +4,14 @@
 pub const BEAT_NS: u64 = 5_000_000;
 /// A program that has been silent for so long is taken over \[ns\].
 ///
-/// The wearer is to be free after 50 ms. Of these a glove with servos takes 15 to read the two lines that may lie before
-/// the releasing one, at 7.5 ms each, and the system some 10 to wake the keeper on a busy machine. The watchers within
-/// the program let go after 20 ms; the keeper gives them that time.
+/// The wearer is to be free after 50 ms. Of these a glove with servos takes 15 to read the two
+/// lines that may lie before the releasing one, at 7.5 ms each, and the system some 10 to wake the
+/// keeper on a busy machine. The watchers within the program let go after 20 ms; the keeper gives
+/// them that time.
 pub const SILENCE_NS: u64 = 25_000_000;
-/// Time between two releases \[ns\]: one may be lost, or follow half a message. A glove with servos reads a line in 7.5 ms:
-/// more often they would pile up before it, and what it is sent later would come late.
+/// Time between two releases \[ns\]: one may be lost, or follow half a message. A glove with servos
+/// reads a line in 7.5 ms: more often they would pile up before it, and what it is sent later would
+/// come late.
 pub const AGAIN_NS: u64 = 10_000_000;
 /// A program that is gone is outlived for so long \[ns\]; then the port is free for the next.
 pub const GONE_NS: u64 = 1_000_000_000;
@@ -87,7 +89,8 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// When the keeper releases \[ms\], of a program that beats at these times, looked at each time it asks to be.
+    /// When the keeper releases \[ms\], of a program that beats at these times, looked at each time
+    /// it asks to be.
     fn releases(beats: &[u64], gone: Option<u64>, until: u64) -> (Vec<u64>, Option<u64>) {
         let (mut watch, mut found, mut now) = (Watch::default(), Vec::new(), 0);
         let mut beats = beats.iter().map(|ms| ms * MS).peekable();
@@ -121,7 +124,8 @@ mod tests {
         assert_eq!(releases(&[], Some(40), 1000), (vec![], Some(40)));
     }
 
-    /// Stopped after its beat at 100 ms: released 25 ms later, every 10 ms from then on, until it is back; and again.
+    /// Stopped after its beat at 100 ms: released 25 ms later, every 10 ms from then on, until it
+    /// is back; and again.
     #[test]
     fn a_program_that_stands_still_is_taken_over_until_it_is_back() {
         let (found, end) = releases(&[95, 100, 142, 147], None, 200);

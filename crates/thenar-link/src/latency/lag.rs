@@ -3,7 +3,8 @@
 use super::moving::{STEP, reach, speeds};
 use super::{ComparedPart, Doubt, MeasuredDelay, Trace, trusted};
 
-/// Lags that are looked at \[s\]: a device may be earlier than its reference, and webcams are late by a fifth of a second.
+/// Lags that are looked at \[s\]: a device may be earlier than its reference, and webcams are late
+/// by a fifth of a second.
 const FROM: f64 = -0.3;
 /// The largest \[s\].
 const TO: f64 = 0.6;
@@ -13,8 +14,8 @@ const ABOUT: f64 = 0.06;
 const EVENT: f64 = 1.0;
 /// Events that are needed.
 const EVENTS: usize = 8;
-/// A hand that is slower on average over an event does not move: fingers \[rad/s\], of which a hand that closes within two
-/// seconds has 2 ...
+/// A hand that is slower on average over an event does not move: fingers \[rad/s\], of which a hand
+/// that closes within two seconds has 2 ...
 const FINGERS_MOVE: f64 = 0.5;
 /// ... and wrist \[m/s\], of which a hand that goes a forearm's length in two seconds has 0.15.
 const WRIST_MOVES: f64 = 0.1;
@@ -72,8 +73,8 @@ impl Sums {
 /// An event: its sums at every lag.
 type Event = Vec<Sums>;
 
-/// By how much `device` sees motion later than `reference`, from the correlation of their speeds over all events; the
-/// standard error is the jackknife's over events.
+/// By how much `device` sees motion later than `reference`, from the correlation of their speeds
+/// over all events; the standard error is the jackknife's over events.
 ///
 /// # Errors
 /// The motion is too little, too regular or not the same, or its parts contradict each other.
@@ -118,7 +119,8 @@ fn sum(events: &[Event]) -> Event {
         .collect()
 }
 
-/// Lag of the highest point of the parabola through the largest correlation and its neighbours \[s\].
+/// Lag of the highest point of the parabola through the largest correlation and its neighbours
+/// \[s\].
 fn peak(sums: &[Sums], near: usize) -> f64 {
     let about = (ABOUT / STEP) as usize;
     let range = near.saturating_sub(about).max(1)..(near + about).min(sums.len() - 1);
@@ -208,8 +210,8 @@ mod tests {
     const HEADSET: Fake =
         Fake { rate: 90.0, latency: 0.045, noise: 1e-3, lost: 0.02, jitter: 2e-3 };
 
-    /// Devices whose delay, rate and noise are known: the difference of the delays is found to 2 ms, or within three of
-    /// its stated errors, and the stated error is worth something.
+    /// Devices whose delay, rate and noise are known: the difference of the delays is found to 2
+    /// ms, or within three of its stated errors, and the stated error is worth something.
     #[test]
     fn the_lag_between_two_trackers_is_found() {
         let slow = Fake { rate: 30.0, latency: 0.1, noise: 2e-3, lost: 0.05, jitter: 4e-3 };
@@ -242,7 +244,8 @@ mod tests {
         }
     }
 
-    /// Errors of many sessions are as large as stated, rms, give or take: the statement is neither boast nor alarm.
+    /// Errors of many sessions are as large as stated, rms, give or take: the statement is neither
+    /// boast nor alarm.
     #[test]
     fn the_stated_error_is_one() {
         let (mut squares, mut stated) = (0.0, 0.0);

@@ -1,14 +1,17 @@
-//! How late, how often and how steadily a tracker sees a hand, out of what it told while a person moved.
+//! How late, how often and how steadily a tracker sees a hand, out of what it told while a person
+//! moved.
 //!
-//! Pure: times and places in, figures out. Who measures asks trackers, keys and the person ([`Trace::take`]).
+//! Pure: times and places in, figures out. Who measures asks trackers, keys and the person
+//! ([`Trace::take`]).
 //!
-//! - [`lag`]: two trackers of one hand at once. The one whose delay is known is the reference; the other is later by where
-//!   the speeds of both match best.
-//! - [`taps`]: one tracker, and keys that the tracked finger presses. The finger stops when the key is down.
+//! - [`lag`]: two trackers of one hand at once. The one whose delay is known is the reference; the
+//!   other is later by where the speeds of both match best.
+//! - [`taps`]: one tracker, and keys that the tracked finger presses. The finger stops when the key
+//!   is down.
 //! - [`stillness`]: the hand held still, for the noise.
 //!
-//! All of them refuse rather than guess: too few events, two trackers that see different motions, halves of a session
-//! that contradict each other ([`Doubt`]).
+//! All of them refuse rather than guess: too few events, two trackers that see different motions,
+//! halves of a session that contradict each other ([`Doubt`]).
 
 mod lag;
 mod moving;
@@ -34,10 +37,12 @@ pub struct MeasuredDelay {
     pub events: usize,
 }
 
-/// A mean that is less certain than this is none \[s\]: behind 20 ms it changes what is felt by a quarter.
+/// A mean that is less certain than this is none \[s\]: behind 20 ms it changes what is felt by a
+/// quarter.
 pub const ERROR_MAX: f64 = 0.005;
 
-/// Two halves of a session differ by more than this number of standard errors of their difference ...
+/// Two halves of a session differ by more than this number of standard errors of their difference
+/// ...
 const HALVES_ERRORS: f64 = 4.0;
 /// ... and by more than this \[s\]: something changed meanwhile.
 const HALVES_APART: f64 = 0.005;
@@ -144,7 +149,8 @@ const DELAY_MAX: f64 = 0.5;
 /// The delay, refused if it is none of a tracker.
 ///
 /// # Errors
-/// It is negative beyond doubt, or more than half a second. One that is negative within its error is zero.
+/// It is negative beyond doubt, or more than half a second. One that is negative within its error
+/// is zero.
 pub fn possible(measured: MeasuredDelay, advice: &'static str) -> Result<MeasuredDelay, Doubt> {
     let MeasuredDelay { mean, error, .. } = measured;
     if !(-3.0 * error..=DELAY_MAX).contains(&mean) {

@@ -17,8 +17,8 @@ pub fn reach(rates: [f64; 2]) -> f64 {
 
 /// Speed at each of `count` times `STEP` apart from `begin` on; `None` where samples are missing.
 ///
-/// It is the slope of the parabola that fits best about each time, nearer samples counting more: what it takes off quick
-/// motion it takes off before and after alike, so that it delays nothing.
+/// It is the slope of the parabola that fits best about each time, nearer samples counting more:
+/// what it takes off quick motion it takes off before and after alike, so that it delays nothing.
 pub fn speeds(
     seen: &[TraceSample],
     part: ComparedPart,

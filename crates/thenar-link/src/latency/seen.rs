@@ -7,8 +7,8 @@ use thenar_touch::DIGITS;
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
 
-/// From each bending joint of a straight finger to its tip \[m\], thumb first, of a hand of 0.19 m: what an angle moves at
-/// the tip.
+/// From each bending joint of a straight finger to its tip \[m\], thumb first, of a hand of 0.19 m:
+/// what an angle moves at the tip.
 const LEVERS: [[f64; 3]; DIGITS] = [
     [0.106, 0.060, 0.027],
     [0.095, 0.050, 0.024],
@@ -47,7 +47,8 @@ pub struct TraceSample {
     pub flexion: [f64; DIGITS],
     /// The wrist \[m\].
     pub wrist: Vec3,
-    /// Fingertips \[m\]. Of a glove that knows angles only: along y, out of the pads, from the wrist.
+    /// Fingertips \[m\]. Of a glove that knows angles only: along y, out of the pads, from the
+    /// wrist.
     pub tips: [Vec3; DIGITS],
 }
 
@@ -100,9 +101,11 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Takes what has come from `tracker` since the last time, if anything did. True if it was something.
+    /// Takes what has come from `tracker` since the last time, if anything did. True if it was
+    /// something.
     ///
-    /// A sample has arrived by `now_ns`, and not after its device was last heard: whoever asks late does not make it late.
+    /// A sample has arrived by `now_ns`, and not after its device was last heard: whoever asks late
+    /// does not make it late.
     pub fn take(&mut self, tracker: &mut dyn Tracker, side: Side, now_ns: u64) -> bool {
         let length = tracker.hand_length().unwrap_or(LEVER_HAND);
         let Some(sample) = tracker.latest(side).cloned() else { return false };

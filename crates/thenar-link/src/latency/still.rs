@@ -2,7 +2,8 @@
 
 use super::{Doubt, TraceSample};
 
-/// Noise is what remains without drift within windows of this length \[s\]: motion slower than some 2 Hz is the person's.
+/// Noise is what remains without drift within windows of this length \[s\]: motion slower than some
+/// 2 Hz is the person's.
 const WINDOW: f64 = 0.5;
 /// Windows that are needed.
 const WINDOWS: usize = 4;
@@ -11,8 +12,8 @@ const SAMPLES: usize = 5;
 /// A fingertip that goes further is not held still \[m\].
 const STRAYS: f64 = 0.02;
 
-/// Standard deviation of a fingertip that stands still, along its worst axis, all fingers together \[m\]: about a straight
-/// line in each half second.
+/// Standard deviation of a fingertip that stands still, along its worst axis, all fingers together
+/// \[m\]: about a straight line in each half second.
 ///
 /// # Errors
 /// There are too few samples, or the hand moved.
@@ -65,7 +66,8 @@ mod tests {
     use super::super::trial::{Fake, still};
     use super::*;
 
-    /// White noise of a known size, at several rates, on a hand that sways by 1 mm in 5 s: found to a tenth.
+    /// White noise of a known size, at several rates, on a hand that sways by 1 mm in 5 s: found to
+    /// a tenth.
     #[test]
     fn noise_is_found_beside_a_slow_sway() {
         for (rate, noise) in [(90.0, 1e-3), (100.0, 1e-4), (30.0, 2e-3), (1000.0, 3e-5)] {

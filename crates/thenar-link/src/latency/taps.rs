@@ -2,8 +2,8 @@
 
 use super::{Doubt, MeasuredDelay, Trace, TraceSample, trusted};
 
-/// From a key that moves to its character in a program \[s\]: 15 to 60 ms were measured of keyboards up to their cable
-/// (Luu 2017), most about 30.
+/// From a key that moves to its character in a program \[s\]: 15 to 60 ms were measured of
+/// keyboards up to their cable (Luu 2017), most about 30.
 pub const KEY_DELAY: f64 = 0.03;
 /// How far that may be off either way, where nobody measured it \[s\].
 pub const KEY_DELAY_SPREAD: f64 = 0.015;
@@ -24,11 +24,12 @@ const DWELL: f64 = 0.05;
 const SOON: f64 = 0.1;
 /// Taps that are needed.
 const TAPS: usize = 10;
-/// What lies further from the median, in median distances from it, is another motion; normal deviates do once in 7000.
+/// What lies further from the median, in median distances from it, is another motion; normal
+/// deviates do once in 7000.
 const STRAY: f64 = 5.7;
 
-/// Mean time from the report of a key to the stop of `finger` as the tracker sees it, over these keys \[s\]. The tracker's
-/// delay is this and the key's own ([`KEY_DELAY`]).
+/// Mean time from the report of a key to the stop of `finger` as the tracker sees it, over these
+/// keys \[s\]. The tracker's delay is this and the key's own ([`KEY_DELAY`]).
 ///
 /// # Errors
 /// There are too few taps, or they contradict each other.
@@ -70,8 +71,8 @@ fn median(all: &[f64]) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// When the finger that comes down fastest here stops \[s\]: where the straight line of its greatest speed meets the level
-/// on which it stays.
+/// When the finger that comes down fastest here stops \[s\]: where the straight line of its
+/// greatest speed meets the level on which it stays.
 fn stop(seen: &[TraceSample], finger: usize) -> Option<f64> {
     let down = |s: &TraceSample| -s.tips[finger].y;
     let stroke = |i: usize| {
@@ -111,7 +112,8 @@ mod tests {
         (0..count).map(|k| 1.0 + k as f64 + 0.2 * random.unit()).collect()
     }
 
-    /// The index finger comes down by 30 mm within 80 ms, ever faster, stops dead, stays for 90 ms and rises in 120 ms.
+    /// The index finger comes down by 30 mm within 80 ms, ever faster, stops dead, stays for 90 ms
+    /// and rises in 120 ms.
     fn tapping(downs: Vec<f64>) -> impl Fn(f64) -> Moment {
         move |t| {
             let near = downs.iter().copied().min_by(|a, b| (a - t).abs().total_cmp(&(b - t).abs()));
@@ -130,7 +132,8 @@ mod tests {
         }
     }
 
-    /// The stop is seen later than a key without a delay by the tracker's delay: to 2 ms, or three stated errors.
+    /// The stop is seen later than a key without a delay by the tracker's delay: to 2 ms, or three
+    /// stated errors.
     #[test]
     fn the_stop_of_a_finger_is_late_by_the_delay() {
         for (rate, latency, noise) in [

@@ -68,8 +68,8 @@ impl Profile {
         [&self.thumb, &self.index, &self.middle, &self.ring, &self.little]
     }
 
-    /// Where the servos stop fingers at these curls of the wearer, thumb first. A servo's 0 to 1000 are
-    /// all of its finger's travel, of which the wearer uses what `raw` says.
+    /// Where the servos stop fingers at these curls of the wearer, thumb first. A servo's 0 to 1000
+    /// are all of its finger's travel, of which the wearer uses what `raw` says.
     pub fn stops(&self, curls: [Option<f64>; 5]) -> [u16; 5] {
         let digits = self.digits();
         std::array::from_fn(|d| {

@@ -6,8 +6,9 @@
 //! for one of ours: each of its lines is answered at once, with a newline when nothing changed, and
 //! a glove that fell silent is nudged. It takes one line per line it says: more would pile up in
 //! front of it and delay every later one, so at most one is sent ahead, and after a silence, when
-//! nobody knows what it has yet to read, answers are held back until it stops speaking without them.
-//! It has no watchdog, servos hold what they were told: stops are released at start and at the end.
+//! nobody knows what it has yet to read, answers are held back until it stops speaking without
+//! them. It has no watchdog, servos hold what they were told: stops are released at start and at
+//! the end.
 
 use super::encoding::{Line, State, parse, stops};
 use super::profile::Profile;
@@ -23,8 +24,8 @@ const LINE_MAX: usize = 300;
 const NUDGE_NS: u64 = 50_000_000;
 /// A glove that has lines to read speaks again within this time without an answer \[ns\].
 const HOLD_NS: u64 = 20_000_000;
-/// Most lines that may lie before a glove when it speaks again, besides those that it was nudged with:
-/// far more than its port holds.
+/// Most lines that may lie before a glove when it speaks again, besides those that it was nudged
+/// with: far more than its port holds.
 const UNREAD_MAX: u32 = 64;
 /// Number of nudges after which a silent glove is asked to start its stream.
 const NUDGES_PER_START: u32 = 20;
@@ -44,8 +45,8 @@ pub struct LucidGloves {
     ahead: u32,
     /// Lines may lie in front of the glove: answers are held back.
     draining: bool,
-    /// Most lines that may lie before the glove. One that has spoken as often waits for no answers: not
-    /// every firmware does.
+    /// Most lines that may lie before the glove. One that has spoken as often waits for no answers:
+    /// not every firmware does.
     unread: u32,
     /// When the answer held back is due \[ns\].
     held_ns: Option<u64>,

@@ -148,8 +148,8 @@ fn a_release_is_sent_at_once() {
     assert_eq!(sent, b"A0B0C0D0E0\n");
 }
 
-/// Firmware without force feedback of its own, or with another reading of lines, never waits: it gets
-/// stops all the same.
+/// Firmware without force feedback of its own, or with another reading of lines, never waits: it
+/// gets stops all the same.
 #[test]
 fn a_glove_that_waits_for_no_answer_is_told_of_stops() {
     let mut talk = Talk::new();
@@ -166,8 +166,8 @@ fn a_glove_that_waits_for_no_answer_is_told_of_stops() {
     assert!(sent.contains("A0B500C0D0E0\n"), "{sent}");
 }
 
-/// A wearer whose sensor goes from 0.2 to 0.8 of its range and is stopped at a quarter of the way: at
-/// 0.35 of the servo's travel. One whose sensor is mounted the other way round, too.
+/// A wearer whose sensor goes from 0.2 to 0.8 of its range and is stopped at a quarter of the way:
+/// at 0.35 of the servo's travel. One whose sensor is mounted the other way round, too.
 #[test]
 fn stops_are_in_the_wearers_own_range() {
     let mut profile: Profile = load("lucidgloves", SHIPPED, &Address::default()).unwrap();
@@ -180,8 +180,9 @@ fn stops_are_in_the_wearers_own_range() {
     assert_eq!(profile.stops([Some(f64::NAN); 5]), [0; 5]);
 }
 
-/// The program stops at any moment of the conversation, just after a beat; its keeper speaks in its place. At the
-/// firmware's own pace all fingers are free within the 50 ms that a wearer may be held on, and stay so.
+/// The program stops at any moment of the conversation, just after a beat; its keeper speaks in its
+/// place. At the firmware's own pace all fingers are free within the 50 ms that a wearer may be
+/// held on, and stay so.
 #[test]
 fn a_keeper_frees_the_fingers_within_fifty_milliseconds() {
     use crate::keeper::Watch;

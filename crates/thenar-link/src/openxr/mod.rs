@@ -1,9 +1,9 @@
 //! Hands of an OpenXR runtime (`XR_EXT_hand_tracking`), without a picture (`XR_MND_headless`).
 //!
 //! An optional part: the cargo feature `openxr`. The loader is a library of the system that is
-//! looked for when the device is opened; nothing of it is needed to build. What the runtime tells is
-//! written as bytes and read by a protocol like that of any device, so that all of it but the calls
-//! themselves is tested without a runtime.
+//! looked for when the device is opened; nothing of it is needed to build. What the runtime tells
+//! is written as bytes and read by a protocol like that of any device, so that all of it but the
+//! calls themselves is tested without a runtime.
 
 mod runtime;
 
@@ -29,8 +29,8 @@ const HAND_BYTES: usize = 2 + OPENXR_JOINTS * JOINT_BYTES;
 
 /// First byte of a message, which distinguishes it from hands.
 const NOTE: u8 = b'n';
-/// Between two attempts to open a runtime: a loader that finds none says so on the error stream each
-/// time, and some runtimes start a program.
+/// Between two attempts to open a runtime: a loader that finds none says so on the error stream
+/// each time, and some runtimes start a program.
 const ATTEMPTS: Duration = Duration::from_secs(3);
 
 /// A joint as a runtime tells it.

@@ -158,8 +158,9 @@ fn joint(location: openxr::HandJointLocation) -> Joint {
 /// Looks for the loader.
 #[allow(unsafe_code)]
 fn load(path: Option<&Path>) -> io::Result<Entry> {
-    // SAFETY: the library of this name is the system's OpenXR loader, or the one that the user names;
-    // that its own start-up code is sound has to be relied upon, as with every library of the system.
+    // SAFETY: the library of this name is the system's OpenXR loader, or the one that the user
+    // names; that its own start-up code is sound has to be relied upon, as with every library of
+    // the system.
     let entry = unsafe {
         match path {
             Some(path) => Entry::load_from(path, &()),

@@ -90,10 +90,10 @@ fn fingers_are_where_the_wrist_is() {
     assert!(paired.messages().is_empty());
 }
 
-/// The glove's clock, the tracker's or both jump by a day, for two seconds or for good, forward (which is
-/// seen at once) or back (which is believed after half a second): until then the hand is as old as
-/// that time says, and from then on as fresh as it is. Every fourth sample comes twice. Each jump of
-/// each clock is reported.
+/// The glove's clock, the tracker's or both jump by a day, for two seconds or for good, forward
+/// (which is seen at once) or back (which is believed after half a second): until then the hand is
+/// as old as that time says, and from then on as fresh as it is. Every fourth sample comes twice.
+/// Each jump of each clock is reported.
 #[test]
 fn clocks_that_jump_are_followed_and_times_never_step_back() {
     const DAY_NS: i64 = 86_400_000_000_000;
@@ -140,8 +140,8 @@ fn clocks_that_jump_are_followed_and_times_never_step_back() {
     }
 }
 
-/// A tracker that tells its last sample again and again, on a clock that has jumped before, leaves the
-/// hand as old as that.
+/// A tracker that tells its last sample again and again, on a clock that has jumped before, leaves
+/// the hand as old as that.
 #[test]
 fn duplicates_of_a_jumped_clock_are_no_news() {
     let (glove, base, mut paired) = pair(Pose::identity());

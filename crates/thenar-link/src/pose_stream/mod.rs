@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The format of recordings, so that a recording can be sent as it is. Besides: `t` (the sender's
-//! clock \[s\]) and `radius` \[m\] may be missing, a header is not needed, and how many joints there are
-//! tells whose they are: 25 (ours), 26 (OpenXR), 27 (Apple), or 21 points without `quat`
+//! clock \[s\]) and `radius` \[m\] may be missing, a header is not needed, and how many joints
+//! there are tells whose they are: 25 (ours), 26 (OpenXR), 27 (Apple), or 21 points without `quat`
 //! (MediaPipe's order), whose frames are rebuilt. Positions are metres in the world, +y up.
 
 mod driver;

@@ -26,7 +26,8 @@ impl Check for Cameras {
     fn set_side(&mut self, _: Side) {}
 }
 
-/// What the profile of `driver` states of its samples: `shipped`, changed by this file or else by the user's own.
+/// What the profile of `driver` states of its samples: `shipped`, changed by this file or else by
+/// the user's own.
 ///
 /// # Errors
 /// The file cannot be read, or has a key or a value that does not fit.

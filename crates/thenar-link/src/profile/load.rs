@@ -158,8 +158,8 @@ fn edited(value: &Value) -> toml_edit::Value {
     }
 }
 
-/// Lays `keys` over the profile in `file`, or begins one; what else is in it, comments included, stays.
-/// The file is replaced whole or not at all.
+/// Lays `keys` over the profile in `file`, or begins one; what else is in it, comments included,
+/// stays. The file is replaced whole or not at all.
 ///
 /// # Errors
 /// What is there is no TOML, or cannot be written.
@@ -238,8 +238,8 @@ mod tests {
         }
     }
 
-    /// Numbers of the shipped profile replaced, and its text damaged, in a seeded sequence: read, or refused in a
-    /// line that names the file and repeats no more than some of it.
+    /// Numbers of the shipped profile replaced, and its text damaged, in a seeded sequence: read,
+    /// or refused in a line that names the file and repeats no more than some of it.
     #[test]
     fn damaged_profiles_are_read_or_refused() {
         let mut random = Random::new(0x5eed);

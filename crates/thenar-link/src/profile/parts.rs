@@ -158,7 +158,8 @@ pub struct Display {
 impl Display {
     /// Refuses what is no actuator.
     pub fn check(&self) -> Result<(), Refusal> {
-        // The ranges of mechanisms are those of arms, see `force_device`; beyond a second nothing is felt.
+        // The ranges of mechanisms are those of arms, see `force_device`; beyond a second nothing
+        // is felt.
         let ranges = [
             ("delay", self.delay, 0.0..=1.0),
             ("damping", self.damping, 0.0..=100.0),

@@ -91,7 +91,8 @@ impl Transport for SerialTransport {
         Ok(())
     }
 
-    /// Opened anew: the library gives its own handle to nobody. The port is for this program alone but for that moment.
+    /// Opened anew: the library gives its own handle to nobody. The port is for this program alone
+    /// but for that moment.
     #[cfg(unix)]
     fn handle(&mut self) -> io::Result<Option<std::os::fd::OwnedFd>> {
         use nix::fcntl::OFlag;

@@ -25,8 +25,8 @@ impl StreamTransport {
     }
 }
 
-/// A peer whose network went away says nothing any more, not even that: the system asks it, and gives
-/// the connection up after some five seconds.
+/// A peer whose network went away says nothing any more, not even that: the system asks it, and
+/// gives the connection up after some five seconds.
 ///
 /// # Errors
 /// The system cannot do so.

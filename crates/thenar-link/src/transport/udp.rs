@@ -60,8 +60,8 @@ impl UdpTransport {
     }
 }
 
-/// Listens at `at`, perhaps only to one address: at once, so that a port that is taken is reported, and
-/// again whenever the socket is lost.
+/// Listens at `at`, perhaps only to one address: at once, so that a port that is taken is reported,
+/// and again whenever the socket is lost.
 ///
 /// # Errors
 /// As for [`UdpTransport::listen`].

@@ -4,9 +4,9 @@ use std::f64::consts::FRAC_PI_2;
 use thenar_core::model::Side;
 use thenar_core::{Pose, Quat, Vec3};
 
-/// Where the first joint of each digit is, in a right wrist's frame (-z towards the fingers, +y out of the
-/// back of the hand), and the lengths of the bones from there to the tip \[m\]. Fingers begin at their
-/// metacarpal.
+/// Where the first joint of each digit is, in a right wrist's frame (-z towards the fingers, +y out
+/// of the back of the hand), and the lengths of the bones from there to the tip \[m\]. Fingers
+/// begin at their metacarpal.
 const FINGERS: [([f64; 3], [f64; 4]); 4] = [
     ([-0.016, 0.0, -0.036], [0.060, 0.045, 0.026, 0.024]),
     ([-0.002, 0.0, -0.036], [0.060, 0.050, 0.030, 0.025]),
@@ -59,8 +59,8 @@ mod tests {
     use crate::joints::{WEBXR_OF_POINT, rebuild};
     use thenar_track::live::checked;
 
-    /// What other parts of the program say of such hands: they are sound, flex by what they were curled,
-    /// and their points alone give a hand again.
+    /// What other parts of the program say of such hands: they are sound, flex by what they were
+    /// curled, and their points alone give a hand again.
     #[test]
     fn it_is_a_hand() {
         for side in [Side::Left, Side::Right] {

@@ -62,8 +62,8 @@ impl<T> Drop for Running<T> {
     }
 }
 
-/// An arm behind its bridge, listening at `place`. Its handle goes from side to side; from half-way on its
-/// button is pressed.
+/// An arm behind its bridge, listening at `place`. Its handle goes from side to side; from half-way
+/// on its button is pressed.
 ///
 /// # Errors
 /// The port is taken.

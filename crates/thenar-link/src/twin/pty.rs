@@ -85,7 +85,8 @@ impl<T: Twin + 'static> PtyTwin<T> {
         }
     }
 
-    /// Pulls the cable after this number of further bytes to the host, in the midst of whatever it says.
+    /// Pulls the cable after this number of further bytes to the host, in the midst of whatever it
+    /// says.
     pub fn unplug_after(&self, bytes: u64) {
         self.shared.budget.store(bytes, Ordering::Release);
     }

@@ -72,8 +72,8 @@ const fn networked(
 
 /// A simulated device that runs until it is dropped.
 pub trait Simulation {
-    /// The wearer moves: each finger's curl, 0 open to 1 closed, thumb first. What has no fingers moves
-    /// in its own way, or not.
+    /// The wearer moves: each finger's curl, 0 open to 1 closed, thumb first. What has no fingers
+    /// moves in its own way, or not.
     fn set_curls(&self, curls: [f64; 5]);
 
     /// What the wearer feels, for a person.

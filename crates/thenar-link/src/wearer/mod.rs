@@ -1,7 +1,8 @@
-//! What a wearer wants to feel at most: how much force on each finger, how slowly it comes after arming, how much softer.
+//! What a wearer wants to feel at most: how much force on each finger, how slowly it comes after
+//! arming, how much softer.
 //!
-//! A small file for each person, `wearers/NAME.toml` beside the profiles of devices, with a table for each kind of device.
-//! It only ever takes away from what device and session allow ([`Worn`]).
+//! A small file for each person, `wearers/NAME.toml` beside the profiles of devices, with a table
+//! for each kind of device. It only ever takes away from what device and session allow ([`Worn`]).
 
 mod worn;
 
@@ -28,7 +29,8 @@ const FORCE_MAX: f64 = 100.0;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Comfort {
-    /// Largest force on each finger, thumb first \[N\]; of a device that pushes the whole hand, the least of them.
+    /// Largest force on each finger, thumb first \[N\]; of a device that pushes the whole hand, the
+    /// least of them.
     pub force: [f64; DIGITS],
     /// Time in which force comes up after arming, where it is longer than the device's \[s\].
     #[serde(default)]
@@ -58,8 +60,9 @@ impl Comfort {
         Ok(())
     }
 
-    /// The device's own limits, with no more than is comfortable, and changes in proportion: from nothing to the most in
-    /// the same time as before. Of a device that pushes one point, `part` of its range is left.
+    /// The device's own limits, with no more than is comfortable, and changes in proportion: from
+    /// nothing to the most in the same time as before. Of a device that pushes one point, `part` of
+    /// its range is left.
     pub fn within(&self, own: &Limits, part: f64) -> Limits {
         let user_fraction = (own.user_fraction * part).clamp(0.0, own.user_fraction);
         // No change at all would leave a force where it is.
@@ -109,11 +112,12 @@ pub struct Wearer {
 }
 
 impl Wearer {
-    /// The settings of the wearer of this name, or of nobody in particular, of whom there may be none.
+    /// The settings of the wearer of this name, or of nobody in particular, of whom there may be
+    /// none.
     ///
     /// # Errors
-    /// The name is none, a named wearer has no settings, or the file cannot be read or has a key or value that does not
-    /// fit.
+    /// The name is none, a named wearer has no settings, or the file cannot be read or has a key or
+    /// value that does not fit.
     pub fn load(name: Option<&str>) -> Result<Self, LinkError> {
         match (wearer_file(name.unwrap_or(SOMEBODY))?, name) {
             (Some(file), _) if file.exists() => Self::read(&file),
@@ -161,8 +165,8 @@ pub fn keep(file: &Path, driver: &str, comfort: &Comfort) -> Result<(), LinkErro
     save(file, std::iter::once((driver.to_string(), table)).collect())
 }
 
-/// Where the settings of a wearer are kept, whether or not there are any; `None` where the system has no place for
-/// settings.
+/// Where the settings of a wearer are kept, whether or not there are any; `None` where the system
+/// has no place for settings.
 ///
 /// # Errors
 /// The name is none for a file.
@@ -240,7 +244,8 @@ mod tests {
         }
     }
 
-    /// A part of the range: less force, changes in proportion, a ramp that is no quicker; and never more than before.
+    /// A part of the range: less force, changes in proportion, a ramp that is no quicker; and never
+    /// more than before.
     #[test]
     fn limits_only_become_narrower() {
         let own = Limits::cybergrasp();

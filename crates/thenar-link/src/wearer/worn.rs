@@ -6,17 +6,19 @@ use thenar_core::Vec3;
 use thenar_touch::LoopProfile;
 use thenar_touch::safety::Limits;
 
-/// A display that shows no more than is comfortable. Guards before it are narrowed to the strongest finger; what leaves
-/// is softened and each finger cut to its own, after the guards and before the device's door.
+/// A display that shows no more than is comfortable. Guards before it are narrowed to the strongest
+/// finger; what leaves is softened and each finger cut to its own, after the guards and before the
+/// device's door.
 ///
-/// A part of every force is as passive as the whole, and a force that ends growing more so: the guards' account stays on
-/// the safe side of what the wearer is given.
+/// A part of every force is as passive as the whole, and a force that ends growing more so: the
+/// guards' account stays on the safe side of what the wearer is given.
 pub struct Worn {
     display: Box<dyn ForceDisplay>,
     comfort: Comfort,
 }
 
-/// Puts what this wearer finds comfortable before a display that was opened at `address`; what is, if anything is known.
+/// Puts what this wearer finds comfortable before a display that was opened at `address`; what is,
+/// if anything is known.
 pub fn worn(
     display: Box<dyn ForceDisplay>,
     address: &str,
@@ -110,7 +112,8 @@ impl ForceDisplay for Worn {
     }
 }
 
-/// A vector of the same direction, no longer than `most`. What is no number stays none, for the door to refuse.
+/// A vector of the same direction, no longer than `most`. What is no number stays none, for the
+/// door to refuse.
 fn at_most(v: Vec3, most: f64) -> Vec3 {
     v.cap_magnitude(most)
 }
@@ -163,7 +166,8 @@ mod tests {
         (Worn::new(Box::new(Fake(rendering, shown.clone())), COMFORT), shown)
     }
 
-    /// Whatever the guards let through, each finger gets a part of it and no more than it wants; nothing else becomes more.
+    /// Whatever the guards let through, each finger gets a part of it and no more than it wants;
+    /// nothing else becomes more.
     #[test]
     fn each_finger_is_cut_to_its_own() {
         for rendering in [Rendering::Tendons, Rendering::Stops, Rendering::Vibration] {
@@ -221,7 +225,8 @@ mod tests {
         assert_eq!(worn(display, "null:right", &Wearer::default()).1, None);
     }
 
-    /// A guard with these limits, driven by whatever, never lets more through than the strongest finger wants.
+    /// A guard with these limits, driven by whatever, never lets more through than the strongest
+    /// finger wants.
     #[test]
     fn the_guards_are_narrowed() {
         let comfort = Comfort { force: [1.5; DIGITS], ramp: 0.5, stiffness: 1.0 };

@@ -1,10 +1,12 @@
-//! The last check, where outputs leave for the device: whatever mapped to it, and however it got here.
+//! The last check, where outputs leave for the device: whatever mapped to it, and however it got
+//! here.
 //!
-//! Guards stand before each hand and each display, and a device may be reached past them: two hands that feel through
-//! one glove, a program of one's own. Per device and channel (each finger's force, the force and the torque on one
-//! point) what leaves here is finite, within what the device's profile allows of its rating, and moves no faster than its
-//! slew from one message to the next, except to zero, which is shown at once; a stop comes as fast in parts of the
-//! finger's way. A display that holds one hand shows one.
+//! Guards stand before each hand and each display, and a device may be reached past them: two hands
+//! that feel through one glove, a program of one's own. Per device and channel (each finger's
+//! force, the force and the torque on one point) what leaves here is finite, within what the
+//! device's profile allows of its rating, and moves no faster than its slew from one message to the
+//! next, except to zero, which is shown at once; a stop comes as fast in parts of the finger's way.
+//! A display that holds one hand shows one.
 
 use super::handles::slot;
 use crate::{DigitOutput, HandOutput};
@@ -12,8 +14,8 @@ use thenar_core::Vec3;
 use thenar_core::model::Side;
 use thenar_touch::safety::Limits;
 
-/// A hand that has asked for nothing for so long leaves a device of one hand to the other \[ns\]: longer than a grasp
-/// lets go of a thing to take it anew, and as long as a wearer notices.
+/// A hand that has asked for nothing for so long leaves a device of one hand to the other \[ns\]:
+/// longer than a grasp lets go of a thing to take it anew, and as long as a wearer notices.
 const LEAVES_AFTER_NS: u64 = 1_000_000_000;
 
 /// Stands before one device.
@@ -64,8 +66,8 @@ impl Door {
         self.hands.iter_mut().for_each(|passed| passed.release(now_ns));
     }
 
-    /// What leaves at `now_ns` for a hand that is to be shown `new`, or goes on to what it was to be shown; `None` when
-    /// that is what the device shows.
+    /// What leaves at `now_ns` for a hand that is to be shown `new`, or goes on to what it was to
+    /// be shown; `None` when that is what the device shows.
     pub fn pass(
         &mut self,
         side: Side,
@@ -91,8 +93,9 @@ impl Door {
         !self.one_hand || self.bound.is_none_or(|bound| bound == side)
     }
 
-    /// Binds the device to the hand of an output with force, if it is of one hand and free; true when another hand's
-    /// force is refused. It is free again when its hand has asked for nothing for a second.
+    /// Binds the device to the hand of an output with force, if it is of one hand and free; true
+    /// when another hand's force is refused. It is free again when its hand has asked for nothing
+    /// for a second.
     pub fn bind(&mut self, output: &HandOutput, now_ns: u64) -> bool {
         let bears = bears(output);
         if self.one_hand && bears {
@@ -142,7 +145,8 @@ fn toward(
     next
 }
 
-/// Bounds a finger: its pad force, and its force in space, which is no larger; a stop is within the finger's way.
+/// Bounds a finger: its pad force, and its force in space, which is no larger; a stop is within the
+/// finger's way.
 fn digit(wanted: &DigitOutput, sent: &DigitOutput, limits: &Limits, change: f64) -> DigitOutput {
     let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
     let most = limits.force_max();
@@ -160,8 +164,9 @@ fn digit(wanted: &DigitOutput, sent: &DigitOutput, limits: &Limits, change: f64)
     }
 }
 
-/// Where a finger is stopped, from open (0) to a fist (1): it comes nearer by no more than `change`, in parts of that way,
-/// and makes room at once. With a force that is no number there is no stop either.
+/// Where a finger is stopped, from open (0) to a fist (1): it comes nearer by no more than
+/// `change`, in parts of that way, and makes room at once. With a force that is no number there is
+/// no stop either.
 fn stop(wanted: &DigitOutput, sent: &DigitOutput, change: f64) -> Option<f64> {
     let goal = wanted.curl_at_contact.filter(|c| c.is_finite() && wanted.pad_force.is_finite())?;
     let before = sent.curl_at_contact.unwrap_or(1.0);
@@ -203,7 +208,8 @@ mod tests {
         output
     }
 
-    /// CyberGrasp: half of 12 N, 0.6 N a millisecond. Whatever comes, and however often it changes its mind.
+    /// CyberGrasp: half of 12 N, 0.6 N a millisecond. Whatever comes, and however often it changes
+    /// its mind.
     #[test]
     fn what_leaves_is_finite_within_the_clamp_and_the_slew() {
         let limits = Limits::cybergrasp();
@@ -235,8 +241,9 @@ mod tests {
         assert_eq!(door.pass(Side::Right, Some(&none), 922 * MS), Some(none), "zero at once");
     }
 
-    /// A program of one's own asks for a pad force of 1 N, and in space for a million, turned about from message to message;
-    /// and for a stop behind the hand: within the pad's force, its slew and the finger's way.
+    /// A program of one's own asks for a pad force of 1 N, and in space for a million, turned about
+    /// from message to message; and for a stop behind the hand: within the pad's force, its slew
+    /// and the finger's way.
     #[test]
     fn what_goes_with_a_pads_force_is_bounded_as_it_is() {
         let mut door = Door::new(Limits::cybergrasp(), None, false);
@@ -255,8 +262,8 @@ mod tests {
         }
     }
 
-    /// A pad force that falls, turns to nothing, or is no force, while the force in space stays or turns: this is no larger at
-    /// any time, and nothing at once with it.
+    /// A pad force that falls, turns to nothing, or is no force, while the force in space stays or
+    /// turns: this is no larger at any time, and nothing at once with it.
     #[test]
     fn a_force_in_space_goes_with_its_pads() {
         for end in [2.0, 0.0, -3.0, f64::NAN] {
@@ -275,7 +282,8 @@ mod tests {
         }
     }
 
-    /// Two hands take turns at one glove: it shows the first that presses, for as long as that presses and a second more.
+    /// Two hands take turns at one glove: it shows the first that presses, for as long as that
+    /// presses and a second more.
     #[test]
     fn a_device_of_one_hand_shows_one() {
         let mut door = Door::new(Limits::cybergrasp(), None, true);
@@ -311,8 +319,8 @@ mod tests {
         }
     }
 
-    /// A stop jumps before an open finger's way: it comes by a twentieth of the way a millisecond, 0.6 of 12 N, and goes at
-    /// once; with a force that is no number there is none.
+    /// A stop jumps before an open finger's way: it comes by a twentieth of the way a millisecond,
+    /// 0.6 of 12 N, and goes at once; with a force that is no number there is none.
     #[test]
     fn a_stop_comes_no_faster_than_a_force() {
         let mut door = Door::new(Limits::cybergrasp(), None, false);

@@ -19,7 +19,8 @@ pub struct KeeperLink {
 }
 
 impl KeeperLink {
-    /// Says to the keeper that this thread lives; true if the device was taken over and holds nothing now.
+    /// Says to the keeper that this thread lives; true if the device was taken over and holds
+    /// nothing now.
     pub fn beat(
         &mut self,
         now_ns: u64,
@@ -53,7 +54,8 @@ impl KeeperLink {
         }
     }
 
-    /// The thread is done with the device; `free` if it was told to let the wearer go and took that.
+    /// The thread is done with the device; `free` if it was told to let the wearer go and took
+    /// that.
     pub fn end(self, free: bool) {
         if let Some(keeping) = self.keeping {
             keeping.end(free);

@@ -6,12 +6,12 @@
 //!
 //! - a sample is seen as soon as its last byte was read, an output is sent within a millisecond;
 //! - samples of a hand have strictly increasing times, none in the future, and finite poses;
-//! - what leaves for a display is finite, within its limits and its slew, and of one hand where it holds one
-//!   (`Door`);
+//! - what leaves for a display is finite, within its limits and its slew, and of one hand where it
+//!   holds one (`Door`);
 //! - the hand is released when no output came for [`OUTPUT_SILENCE_NS`], when the display is
 //!   dropped, on [`release_all`], when the protocol panics, on every loss and at every start;
-//! - a process of its own, the [keeper](crate::keeper), does that when this program is stopped or killed, where the device
-//!   can be told and the program says how a keeper is started;
+//! - a process of its own, the [keeper](crate::keeper), does that when this program is stopped or
+//!   killed, where the device can be told and the program says how a keeper is started;
 //! - a device that is away is asked for ever more rarely, once a second in the end; messages report
 //!   absence, silence and garbage, at a bounded rate.
 

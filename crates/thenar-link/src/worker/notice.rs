@@ -15,8 +15,8 @@ pub struct Away {
     told: Option<io::ErrorKind>,
     /// True if the device has been there before.
     known: bool,
-    /// True if the device could be reached, but was lost before it said anything. A datagram socket can always be
-    /// opened: only words show that somebody is there.
+    /// True if the device could be reached, but was lost before it said anything. A datagram socket
+    /// can always be opened: only words show that somebody is there.
     only_seemed: bool,
 }
 

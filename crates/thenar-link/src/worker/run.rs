@@ -60,8 +60,8 @@ impl Worker {
 
     /// Until it is asked to stop.
     pub fn run(mut self) {
-        // Whoever only tracks need not be above the loop. What the system refuses the loop reports, and `thenar devices
-        // check`.
+        // Whoever only tracks need not be above the loop. What the system refuses the loop reports,
+        // and `thenar devices check`.
         if self.device.display.is_some() {
             let _ = raise_priority(Urgency::Device);
             touch_stack();

@@ -76,8 +76,8 @@ impl Transport for Cable {
     }
 }
 
-/// Each byte is a sample of the right hand, whose wrist is that number of centimetres to the right, at
-/// once; 255 is not a number, 254 a panic, 253 a sample from the past.
+/// Each byte is a sample of the right hand, whose wrist is that number of centimetres to the right,
+/// at once; 255 is not a number, 254 a panic, 253 a sample from the past.
 struct Bytewise;
 
 impl Protocol for Bytewise {
@@ -171,7 +171,8 @@ fn the_newest_sample_is_seen_once() {
     }
 }
 
-/// Neither a sample from the past nor one that is not a number reaches a caller; the latter is reported.
+/// Neither a sample from the past nor one that is not a number reaches a caller; the latter is
+/// reported.
 #[test]
 fn what_makes_no_sense_is_kept_back() {
     let (bench, opened) = Bench::open();

@@ -50,7 +50,8 @@ fn output(forces: [f64; 5]) -> HandOutput {
     output
 }
 
-/// Pull only, half of twelve newtons at most as the profile says, and nothing for what is not a number.
+/// Pull only, half of twelve newtons at most as the profile says, and nothing for what is not a
+/// number.
 #[test]
 fn tendons_pull_what_they_are_told_within_their_rating() {
     let bridge = Bridge::start(0);

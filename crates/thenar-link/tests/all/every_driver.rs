@@ -1,7 +1,7 @@
-//! Goal: every driver of the registry keeps what drivers promise, and none is forgotten. Method: one
-//! suite over `thenar_link::drivers()`, each device a simulated one at a place of its own. A driver
-//! that is not in [`stand`] fails it: whoever adds one adds its stand here, and what is particular to
-//! it in a test of its own, as `lucidgloves.rs` or `streams.rs`.
+//! Goal: every driver of the registry keeps what drivers promise, and none is forgotten. Method:
+//! one suite over `thenar_link::drivers()`, each device a simulated one at a place of its own. A
+//! driver that is not in [`stand`] fails it: whoever adds one adds its stand here, and what is
+//! particular to it in a test of its own, as `lucidgloves.rs` or `streams.rs`.
 
 use crate::conformance::{opened_at_a_free_port, wait};
 use std::collections::HashSet;
@@ -137,8 +137,8 @@ fn refuses_what_makes_no_sense(driver: &dyn Driver, stand: &Stand) {
     }
 }
 
-/// Opened before it is there; taken up when it comes; poses are sound and times go on; what is shown is felt
-/// and let go of. Then the same once more.
+/// Opened before it is there; taken up when it comes; poses are sound and times go on; what is
+/// shown is felt and let go of. Then the same once more.
 fn opens_tells_and_lets_go(driver: &dyn Driver, stand: &Stand) {
     let name = driver.name();
     let open = || opened_at_a_free_port(|| driver.open(&stand.address));

@@ -1,6 +1,6 @@
-//! Profiles of all devices against damage, from the text to what the device says and does with it: whatever a
-//! file says, it is played with, or refused in a line that names it. The same code runs under `cargo fuzz`,
-//! see `fuzz/`.
+//! Profiles of all devices against damage, from the text to what the device says and does with it:
+//! whatever a file says, it is played with, or refused in a line that names it. The same code runs
+//! under `cargo fuzz`, see `fuzz/`.
 
 #[path = "../../../thenar-rig/tests/damage/bytes.rs"]
 mod damage;

@@ -55,8 +55,8 @@ fn the_glove_never_waits_for_an_answer() {
 }
 
 /// However often outputs change, the glove is told no more than it reads, one line for each of its
-/// own; and it comes to the newest. Lines are counted, not time: a busy machine stalls either side, and
-/// the driver nudges a glove that is silent, at most once in 50 ms.
+/// own; and it comes to the newest. Lines are counted, not time: a busy machine stalls either side,
+/// and the driver nudges a glove that is silent, at most once in 50 ms.
 #[test]
 fn outputs_do_not_pile_up_in_front_of_the_glove() {
     const OUTPUTS: i64 = 1000;

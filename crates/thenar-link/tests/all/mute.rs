@@ -1,6 +1,6 @@
-//! Goal: a device on the network that can be reached and answers nothing is named with its cause, holds
-//! nobody up, and is taken up when it answers. Method: real sockets whose other ends are silent first.
-//! (Gloves on serial lines: `tests/conformance`.)
+//! Goal: a device on the network that can be reached and answers nothing is named with its cause,
+//! holds nobody up, and is taken up when it answers. Method: real sockets whose other ends are
+//! silent first. (Gloves on serial lines: `tests/conformance`.)
 
 use crate::conformance::{open_device, wait};
 use std::io::{ErrorKind, Write};
@@ -218,8 +218,8 @@ fn the_loop_lives_beside_mute_devices() {
     assert!(ticks > 20, "{ticks}");
 }
 
-/// Nobody is at its port: a datagram socket opens all the same, and the system tells each second that
-/// nobody is there. A person is told once.
+/// Nobody is at its port: a datagram socket opens all the same, and the system tells each second
+/// that nobody is there. A person is told once.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_arm_that_is_not_there_is_told_of_once() {

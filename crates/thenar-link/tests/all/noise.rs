@@ -1,5 +1,5 @@
-//! Goal: no bytes harm a protocol. Method: good streams, cut at every byte, read at another speed or
-//! mutated at random (seeded), straight into the protocols.
+//! Goal: no bytes harm a protocol. Method: good streams, cut at every byte, read at another speed
+//! or mutated at random (seeded), straight into the protocols.
 
 // The fuzz target of all protocols is built here as well, and run on seeded damage.
 #[allow(unused_attributes)] // it has no main of its own
@@ -29,8 +29,8 @@ use thenar_link::{Event, Protocol, pose_stream};
 use thenar_track::Recording;
 use thenar_track::live::LivePose;
 
-/// A protocol and a stream of good packets, ten or, of the long ones, three, the first of them another
-/// hand's than the others.
+/// A protocol and a stream of good packets, ten or, of the long ones, three, the first of them
+/// another hand's than the others.
 struct Case {
     name: &'static str,
     protocol: Box<dyn Protocol>,
@@ -227,8 +227,8 @@ fn mutated_streams_do_no_harm() {
 }
 
 /// What a line at 8N1 gives when it is read at another speed than it is written: the level at the
-/// middle of each bit that the reader believes in, and zero where its stop bit is none, as terminals
-/// have it.
+/// middle of each bit that the reader believes in, and zero where its stop bit is none, as
+/// terminals have it.
 fn at_another_speed(bytes: &[u8], written: f64, read: f64) -> Vec<u8> {
     let level = |bits: f64| {
         let (byte, place) = (bits as usize / 10, bits as usize % 10);
@@ -252,8 +252,8 @@ fn at_another_speed(bytes: &[u8], written: f64, read: f64) -> Vec<u8> {
     out
 }
 
-/// Nothing moves, something is told where there is something to tell, and the right speed is understood
-/// at once.
+/// Nothing moves, something is told where there is something to tell, and the right speed is
+/// understood at once.
 #[test]
 fn a_wrong_speed_moves_nothing() {
     let good: Vec<u8> = (0..=255).collect();
@@ -304,8 +304,8 @@ fn a_part_of_a_datagram_is_refused() {
     }
 }
 
-/// A sender's clock jumps by a day, forward and back: each hand is still taken once, as fresh as it is,
-/// and each jump is told once.
+/// A sender's clock jumps by a day, forward and back: each hand is still taken once, as fresh as it
+/// is, and each jump is told once.
 #[test]
 fn clocks_that_jump_by_a_day_are_followed() {
     const DAY: i64 = 86_400_000_000_000;

@@ -480,7 +480,8 @@ fn a_recording_plays_and_goes_wrong_as_planned() {
     assert!(told("hts:9000?points=up").contains("expected auto, local or world"));
 }
 
-/// What a headset's profile states of its samples is what the loop reckons with; a file of one's own lies over it.
+/// What a headset's profile states of its samples is what the loop reckons with; a file of one's
+/// own lies over it.
 #[test]
 fn a_headset_states_what_its_profile_has() {
     let file = std::env::temp_dir().join(format!("thenar-hts-{}.toml", std::process::id()));

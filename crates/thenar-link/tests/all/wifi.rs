@@ -1,6 +1,6 @@
-//! Goal: a LucidGlove over Wi-Fi moves the hand, stops its fingers, returns after a loss, and nobody else
-//! takes its place. Method: its simulated twin calls over a real socket; so do strangers, from other
-//! addresses of this computer.
+//! Goal: a LucidGlove over Wi-Fi moves the hand, stops its fingers, returns after a loss, and
+//! nobody else takes its place. Method: its simulated twin calls over a real socket; so do
+//! strangers, from other addresses of this computer.
 #![cfg(target_os = "linux")] // elsewhere, loopback has one address
 
 use crate::conformance::{open_device, wait};
@@ -184,8 +184,8 @@ fn a_mute_glove_is_told_of() {
     told(&mut opened, "speaks now");
 }
 
-/// A pose of the left hand is no wrist of the right one; the profile's pose is where the wrist is in
-/// the tracker's frame, here half a metre along its x.
+/// A pose of the left hand is no wrist of the right one; the profile's pose is where the wrist is
+/// in the tracker's frame, here half a metre along its x.
 #[test]
 fn a_wrist_that_is_tracked_carries_the_glove() {
     let (port, wrists) = (free_port(), free_port());

@@ -39,9 +39,9 @@ pub fn open_device(address: &str) -> Opened {
     opened_at_a_free_port(|| thenar_link::open(address))
 }
 
-/// Opens a device, and tries again while its port is busy: a program that another test starts holds copies of all sockets
-/// until its own code runs, even of one just closed. That takes milliseconds; a device that keeps its port for longer has
-/// not let go of it.
+/// Opens a device, and tries again while its port is busy: a program that another test starts holds
+/// copies of all sockets until its own code runs, even of one just closed. That takes milliseconds;
+/// a device that keeps its port for longer has not let go of it.
 pub fn opened_at_a_free_port(open: impl Fn() -> Result<Opened, LinkError>) -> Opened {
     let start = Instant::now();
     loop {

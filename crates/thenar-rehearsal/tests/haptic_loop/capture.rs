@@ -1,5 +1,5 @@
-//! Real hands (an excerpt of a capture, `data/SOURCE.md`) through the loop, clean and mangled: noise,
-//! drop-outs, frozen frames, the two hands taken for each other. The left hand pinches.
+//! Real hands (an excerpt of a capture, `data/SOURCE.md`) through the loop, clean and mangled:
+//! noise, drop-outs, frozen frames, the two hands taken for each other. The left hand pinches.
 
 use crate::rig::{MS, devices, limits, session};
 use std::path::Path;
@@ -181,7 +181,8 @@ fn check(outputs: &[HandOutput]) {
     }
 }
 
-/// No joint far beyond its range: couplings that are thrown about overdrive the bones alone by 0.1 rad.
+/// No joint far beyond its range: couplings that are thrown about overdrive the bones alone by 0.1
+/// rad.
 fn check_joints(session: &thenar_scene::session::Session, ms: u64) {
     let world = session.world();
     for (j, joint) in world.desc().joints.iter().enumerate() {
@@ -194,7 +195,8 @@ fn check_joints(session: &thenar_scene::session::Session, ms: u64) {
     }
 }
 
-/// Bones without flesh meet nothing, however they are moved: nothing is felt, and forces engage and stay so.
+/// Bones without flesh meet nothing, however they are moved: nothing is felt, and forces engage and
+/// stay so.
 #[test]
 fn a_captured_pinch_that_touches_nothing_is_felt_as_nothing() {
     for mode in [LoopMode::Multirate, LoopMode::Shared] {

@@ -1,14 +1,15 @@
-//! Goal: what goes wrong with trackers, devices and clocks is borne in the default mode as well, while something is held. Method:
-//! a hand holds a loaf, forces by the rule; one fault after the other, with nothing but time between them. It is the default
-//! hand where trackers fail, and the paper's, which is quick, where all else does.
+//! Goal: what goes wrong with trackers, devices and clocks is borne in the default mode as well,
+//! while something is held. Method: a hand holds a loaf, forces by the rule; one fault after the
+//! other, with nothing but time between them. It is the default hand where trackers fail, and the
+//! paper's, which is quick, where all else does.
 
 use crate::held::{BREAD, Watched, holding};
 use crate::rig::small;
 use thenar_core::{Pose, Vec3};
 use thenar_track::live::LivePose;
 
-/// Forces are back to within a tenth this long after a fault \[ms\]: 0.2 s without a pause, a ramp of half a second, and 0.1 s for what
-/// the flesh makes up.
+/// Forces are back to within a tenth this long after a fault \[ms\]: 0.2 s without a pause, a ramp
+/// of half a second, and 0.1 s for what the flesh makes up.
 const BACK: usize = 800;
 
 fn shifted(pose: &LivePose, by: Vec3) -> LivePose {
@@ -24,8 +25,8 @@ fn returns(held: &mut Watched, full: f64, what: &str, back: usize) {
     assert!(least > 0.9 * full, "{what}: {least} of {full} N");
 }
 
-/// Poses that are none, that repeat themselves, and none at all, for 0.3 s each; then poses two metres apart in turn, which make it
-/// another hand: what that held is not felt.
+/// Poses that are none, that repeat themselves, and none at all, for 0.3 s each; then poses two
+/// metres apart in turn, which make it another hand: what that held is not felt.
 #[test]
 fn a_tracker_that_fails_while_something_is_held() {
     let mut held = holding(BREAD);
@@ -56,8 +57,9 @@ fn a_tracker_that_fails_while_something_is_held() {
     assert_eq!(held.tripped(), None);
 }
 
-/// A glitch of 5 cm for one sample, a device that is silent for 0.2 s, a simulation for 0.3 s, a loop for 50 ms; then a teleport: from the
-/// first tick that knows of it no force rises, within 20 ms none is left, and nothing of the hand's ways there and back is felt.
+/// A glitch of 5 cm for one sample, a device that is silent for 0.2 s, a simulation for 0.3 s, a
+/// loop for 50 ms; then a teleport: from the first tick that knows of it no force rises, within 20
+/// ms none is left, and nothing of the hand's ways there and back is felt.
 #[test]
 fn devices_and_clocks_that_fail_while_something_is_held() {
     let mut held = holding(&small(BREAD));
@@ -79,7 +81,8 @@ fn devices_and_clocks_that_fail_while_something_is_held() {
     let forces = held.go(300, |rig, pose, _| rig.wearer.say(rig.now_ns, Some(pose)));
     assert!(forces[120..].iter().all(|force| *force == 0.0), "simulation: {forces:?}");
     held.frozen = false;
-    // Frames that were late by 0.3 s are felt softer, by e^(-2.8 · 0.3) at most, and grow back by e^(0.7 t): within 1.2 s and the ramp.
+    // Frames that were late by 0.3 s are felt softer, by e^(-2.8 · 0.3) at most, and grow back by
+    // e^(0.7 t): within 1.2 s and the ramp.
     returns(&mut held, full, "simulation", 2 * BACK);
     held.stall(50);
     let forces = held.go(200, |rig, pose, _| rig.wearer.say(rig.now_ns, Some(pose)));

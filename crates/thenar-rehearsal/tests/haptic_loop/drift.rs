@@ -1,5 +1,5 @@
-//! Goal: what drifts slowly is felt as what it is: a tracker's place by the stiffness times its way, a tracker's clock
-//! not at all. Method: a hand that presses, held still but for the drift.
+//! Goal: what drifts slowly is felt as what it is: a tracker's place by the stiffness times its
+//! way, a tracker's clock not at all. Method: a hand that presses, held still but for the drift.
 
 use crate::rig::{MS, PRESS, Rig, blocked, small};
 use thenar_core::{Pose, Vec3};
@@ -12,8 +12,9 @@ use thenar_track::source_clock::SourceClock;
 /// Fingers on a table.
 const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 
-/// The tracker drifts by 1 mm/s for 5 s, up, down and sideways: the force moves by no more than the stiffness that is felt
-/// times the way, and a hundredth of a newton that a hand at rest is allowed to waver by.
+/// The tracker drifts by 1 mm/s for 5 s, up, down and sideways: the force moves by no more than the
+/// stiffness that is felt times the way, and a hundredth of a newton that a hand at rest is allowed
+/// to waver by.
 #[test]
 fn a_place_that_drifts_is_felt_by_the_stiffness_times_its_way() {
     for mode in [LoopMode::Shared, LoopMode::Multirate] {
@@ -68,8 +69,8 @@ fn a_place_that_drifts_is_felt_by_the_stiffness_times_its_way() {
     }
 }
 
-/// Stiffness that is felt each second of 150 s \[N/m\] behind a tracker whose clock runs off by `rate`, seen through a network
-/// that takes 3 ms and up to 8 ms more; pressing all the while.
+/// Stiffness that is felt each second of 150 s \[N/m\] behind a tracker whose clock runs off by
+/// `rate`, seen through a network that takes 3 ms and up to 8 ms more; pressing all the while.
 fn felt(rate: f64) -> Vec<f64> {
     let settings = Settings { grip: Some(1.0), ..blocked() };
     let mut rig = Rig::new(&settings, Rendering::Tendons);
@@ -105,8 +106,8 @@ fn felt(rate: f64) -> Vec<f64> {
     out
 }
 
-/// A clock that runs off by 1e-3 either way, which is 0.15 s in the end: what is felt is what a true clock has felt,
-/// within a twentieth from the third second on, and the hand is never lost.
+/// A clock that runs off by 1e-3 either way, which is 0.15 s in the end: what is felt is what a
+/// true clock has felt, within a twentieth from the third second on, and the hand is never lost.
 #[test]
 fn a_clock_that_drifts_is_not_felt() {
     let truly = felt(0.0);

@@ -1,5 +1,5 @@
-//! What is felt is contact: nothing in empty air, whatever the hand does and whatever the mode; and of what is met,
-//! the same in every mode.
+//! What is felt is contact: nothing in empty air, whatever the hand does and whatever the mode; and
+//! of what is met, the same in every mode.
 
 use crate::rig::{MS, Rig, limits};
 use std::f64::consts::FRAC_PI_2;
@@ -17,8 +17,8 @@ fn empty(mode: LoopMode) -> String {
     format!("version = 1\ntime_step = {step}\n[[hand]]\nname = \"hand\"\nmodel = \"right\"\n")
 }
 
-/// Goes on for so many milliseconds: ticks of a millisecond (in single-rate as long as its step), frames as the scene
-/// steps, a sample in each tick. `each` sees the rig after a tick.
+/// Goes on for so many milliseconds: ticks of a millisecond (in single-rate as long as its step),
+/// frames as the scene steps, a sample in each tick. `each` sees the rig after a tick.
 fn go(
     rig: &mut Rig,
     ms: u64,
@@ -55,8 +55,9 @@ fn moved(rig: &Rig, flexion: f64, way: Vec3) -> LivePose {
     LivePose::Angles { wrist: Pose::new(wrist.position + way, wrist.rotation), angles }
 }
 
-/// The index finger bends by a quarter turn in a second and stays; then the hand swings at 0.1 m/s, and at last at 1
-/// m/s. It touches nothing: 20 mN, a tenth of what lets forces engage and a fifteenth of what closes a stop.
+/// The index finger bends by a quarter turn in a second and stays; then the hand swings at 0.1 m/s,
+/// and at last at 1 m/s. It touches nothing: 20 mN, a tenth of what lets forces engage and a
+/// fifteenth of what closes a stop.
 #[test]
 fn empty_air_is_not_felt() {
     for mode in MODES {
@@ -90,8 +91,8 @@ fn empty_air_is_not_felt() {
     }
 }
 
-/// Flesh that becomes ten times as stiff while it is felt, on a bent finger, and springs of joints with it: still nothing
-/// in empty air, in any mode, once forces are let through again.
+/// Flesh that becomes ten times as stiff while it is felt, on a bent finger, and springs of joints
+/// with it: still nothing in empty air, in any mode, once forces are let through again.
 #[test]
 fn settings_that_act_at_once_are_not_felt_in_empty_air() {
     for mode in [LoopMode::Multirate, LoopMode::Shared] {
@@ -131,9 +132,9 @@ fn at_rest(scene: &str, mode: LoopMode, pose: impl Fn(&Rig, f64) -> LivePose) ->
     (pads.map(|sum| sum / count), all / count)
 }
 
-/// A weight of 1 N on the last bone of the index finger is felt as 1 N in all; a hand pressed on a table without
-/// friction, which would remember the way there, is felt alike. In single-rate and multirate as in shared
-/// constraints, within 2 %.
+/// A weight of 1 N on the last bone of the index finger is felt as 1 N in all; a hand pressed on a
+/// table without friction, which would remember the way there, is felt alike. In single-rate and
+/// multirate as in shared constraints, within 2 %.
 #[test]
 fn modes_agree_on_loads_and_on_what_is_pressed() {
     let load = "[[load]]\nkind = \"force\"\nbody = \"hand/index-distal\"\nforce = [0, -1, 0]\npoint = [0, 0, 0]\n";

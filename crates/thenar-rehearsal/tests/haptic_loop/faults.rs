@@ -66,7 +66,8 @@ fn a_hand_that_is_said_to_be_lost_fades() {
     returns(&mut rig);
 }
 
-/// Seen at 90 Hz, the tracker says once that it does not see the hand: as if it had said nothing, to the bit.
+/// Seen at 90 Hz, the tracker says once that it does not see the hand: as if it had said nothing,
+/// to the bit.
 #[test]
 fn a_hand_that_is_once_unseen_is_a_missing_sample() {
     let felt = |told: bool| {
@@ -123,7 +124,8 @@ fn a_teleport_becomes_a_journey_without_force() {
     }
 }
 
-/// Seen at 90 Hz, the hand is 5 cm elsewhere for one sample, in any direction: half a newton at most, gone at once.
+/// Seen at 90 Hz, the hand is 5 cm elsewhere for one sample, in any direction: half a newton at
+/// most, gone at once.
 #[test]
 fn a_glitch_of_one_sample_is_not_felt() {
     let mut rig = pressing();
@@ -144,8 +146,9 @@ fn a_glitch_of_one_sample_is_not_felt() {
     }
 }
 
-/// A tracker of which every sample contradicts the one before says nothing of where the hand is, however often it says
-/// it: forces fade as if it were silent, 100 ms and the fade after the last sample that was believed.
+/// A tracker of which every sample contradicts the one before says nothing of where the hand is,
+/// however often it says it: forces fade as if it were silent, 100 ms and the fade after the last
+/// sample that was believed.
 #[test]
 fn samples_in_doubt_are_no_news() {
     let mut rig = pressing();

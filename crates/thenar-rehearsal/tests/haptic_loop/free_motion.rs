@@ -1,6 +1,6 @@
-//! Goal: the default hand's own motion is not felt, whatever it does in empty air, in any mode, and no stop closes. Method: a
-//! fist that closes and opens, the thumb alone, turns of the wrist and the shipped scene of free motion; short, as a
-//! simulation within the tick takes most of the time.
+//! Goal: the default hand's own motion is not felt, whatever it does in empty air, in any mode, and
+//! no stop closes. Method: a fist that closes and opens, the thumb alone, turns of the wrist and
+//! the shipped scene of free motion; short, as a simulation within the tick takes most of the time.
 
 use crate::held::Worn;
 use crate::rig::MS;
@@ -50,7 +50,8 @@ fn most(worn: &mut Worn, ms: u64, mut pose: impl FnMut(&mut Worn, f64) -> LivePo
     most
 }
 
-/// Armed, and arrived where the script begins; on the couplings as they are, of which the rule would only make less.
+/// Armed, and arrived where the script begins; on the couplings as they are, of which the rule
+/// would only make less.
 fn armed(mode: LoopMode, step: u64) -> Worn {
     let settings = Settings { mode, grip: None, ..Settings::default() };
     let mut worn = Worn::of(&with_step(step), settings, Rendering::Stops);
@@ -78,8 +79,8 @@ fn to_and_fro(t: f64, period: f64) -> f64 {
     0.5 - 0.5 * (TAU * t / period).cos()
 }
 
-/// A fist in half a second and open again: fingertips at up to 0.6 m/s. The thumb as fast; the wrist by 40 degrees to either
-/// side, about each of its axes.
+/// A fist in half a second and open again: fingertips at up to 0.6 m/s. The thumb as fast; the
+/// wrist by 40 degrees to either side, about each of its axes.
 #[test]
 fn fists_thumbs_and_turns_of_the_wrist_are_not_felt() {
     for (mode, step) in
@@ -119,8 +120,8 @@ fn a_fist_that_closes_slowly_is_not_felt() {
     }
 }
 
-/// The shipped scene, as its script has it, where its hand touches nothing, not even itself: it opens, and it waves at up to
-/// 1 m/s.
+/// The shipped scene, as its script has it, where its hand touches nothing, not even itself: it
+/// opens, and it waves at up to 1 m/s.
 #[test]
 fn the_scene_of_free_motion_is_not_felt() {
     for (mode, step) in

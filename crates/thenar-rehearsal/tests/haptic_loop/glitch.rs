@@ -1,13 +1,14 @@
-//! Goal: a glitch of one sample is not felt, however seldom the hand is seen and whether or not the sample before is
-//! lost or its own is repeated. Method: a finger pressed still on couplings that no rule softens; half a newton at most.
+//! Goal: a glitch of one sample is not felt, however seldom the hand is seen and whether or not the
+//! sample before is lost or its own is repeated. Method: a finger pressed still on couplings that
+//! no rule softens; half a newton at most.
 
 use crate::rig::{PRESS, Rig, blocked};
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_track::live::LivePose;
 
-/// Five centimetres of the fingertip: of the wrist's place, by its turn at the fingertip 17 cm away, by the knuckle of the
-/// index finger, 9 cm away.
+/// Five centimetres of the fingertip: of the wrist's place, by its turn at the fingertip 17 cm
+/// away, by the knuckle of the index finger, 9 cm away.
 fn glitch(rig: &Rig, kind: usize) -> LivePose {
     let LivePose::Angles { mut wrist, mut angles } = rig.pose(PRESS) else { unreachable!() };
     match kind {

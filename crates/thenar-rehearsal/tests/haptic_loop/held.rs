@@ -1,7 +1,8 @@
-//! Goal: what is held is felt alike in all modes; a tracker that loses the hand in the middle of a grasp, and a loop that stands
-//! still, let go smoothly and hold on again by themselves, while the object is still held. Method: a loaf held by the default
-//! hand in the default mode, seen at 90 Hz; the forces of each tick beside those of a hand that is seen all the time. Where
-//! modes are compared, a loaf and a car, seen in each tick.
+//! Goal: what is held is felt alike in all modes; a tracker that loses the hand in the middle of a
+//! grasp, and a loop that stands still, let go smoothly and hold on again by themselves, while the
+//! object is still held. Method: a loaf held by the default hand in the default mode, seen at 90
+//! Hz; the forces of each tick beside those of a hand that is seen all the time. Where modes are
+//! compared, a loaf and a car, seen in each tick.
 
 use crate::rig::{MS, Rig, limits};
 use thenar_core::world::Target;
@@ -12,9 +13,10 @@ use thenar_track::live::{LiveHand, LivePose};
 
 pub const BREAD: &str = include_str!("../../../thenar-scene/scenes/bread-grasp.toml");
 const CAR: &str = include_str!("../../../thenar-scene/scenes/car-grasp.toml");
-/// The scene's hand rests, opens and closes, and holds \[ms\]. It meets nothing in the first second of its script, in which
-/// forces ramp up. A stale sample is felt softer the later it comes, so that faults need their place between two samples:
-/// from `holding` on they have the one for which their limits were found, 40 ms after steps and samples last came together.
+/// The scene's hand rests, opens and closes, and holds \[ms\]. It meets nothing in the first second
+/// of its script, in which forces ramp up. A stale sample is felt softer the later it comes, so
+/// that faults need their place between two samples: from `holding` on they have the one for which
+/// their limits were found, 40 ms after steps and samples last came together.
 const RESTS: u64 = 340;
 const HOLDS: u64 = RESTS + 2100;
 /// Time between samples \[ms\].
@@ -111,8 +113,8 @@ impl Watched {
         (0..ms).for_each(|_| self.worn.stall());
     }
 
-    /// So many milliseconds, in which `say` tells of each sample where the hand is; what all fingers are sent in each tick.
-    /// None rises faster than its slew, nor above what is wanted.
+    /// So many milliseconds, in which `say` tells of each sample where the hand is; what all
+    /// fingers are sent in each tick. None rises faster than its slew, nor above what is wanted.
     pub fn go(&mut self, ms: u64, mut say: impl FnMut(&mut Rig, LivePose, u64)) -> Vec<f64> {
         let change = limits().change_max(1e-3);
         let mut samples = 0;
@@ -149,7 +151,8 @@ impl Watched {
     }
 }
 
-/// Loss of a sample, 60 ms, 0.2 s and 1 s, and 25 ms without a tick: what is sent meanwhile and after.
+/// Loss of a sample, 60 ms, 0.2 s and 1 s, and 25 ms without a tick: what is sent meanwhile and
+/// after.
 #[test]
 fn a_loaf_is_let_go_and_held_on_to_by_itself() {
     let mut held = holding(BREAD);
@@ -175,7 +178,8 @@ fn a_loaf_is_let_go_and_held_on_to_by_itself() {
     let off = back[800..].iter().map(|force| (force / full - 1.0).abs()).fold(0.0, f64::max);
     assert!(off < 0.1, "stall: {off} off");
     assert_eq!(held.tripped(), None);
-    // The loaf is where it was, and so is what is felt of it: what was held meanwhile did not creep.
+    // The loaf is where it was, and so is what is felt of it: what was held meanwhile did not
+    // creep.
     let drift = (held.total() / full - 1.0).abs();
     assert!(drift < 0.03, "{drift}");
 }
@@ -205,8 +209,8 @@ fn felt_of_what_is_held(scene: &str, mode: LoopMode) -> [f64; 5] {
     sums.map(|sum| sum / count)
 }
 
-/// Fingers are felt alike in all modes: multirate and shared constraints are within these parts of what all fingers feel
-/// together in single-rate.
+/// Fingers are felt alike in all modes: multirate and shared constraints are within these parts of
+/// what all fingers feel together in single-rate.
 fn modes_agree(scene: &str, within: [f64; 2]) {
     let [shared, single, multi] = [LoopMode::Shared, LoopMode::SingleRate, LoopMode::Multirate]
         .map(|mode| {
@@ -229,9 +233,10 @@ fn modes_agree_on_a_loaf_that_is_held() {
     modes_agree(BREAD, [0.01; 2]);
 }
 
-/// On the car, which holds fingers off farther, multirate is within 2 % of single-rate, and shared constraints within 2.5 %:
-/// there the hand in empty air, which is subtracted, is answered by the frame of the hand that holds something, on the arcs
-/// of its joints, but with flesh bent as in that frame.
+/// On the car, which holds fingers off farther, multirate is within 2 % of single-rate, and shared
+/// constraints within 2.5 %: there the hand in empty air, which is subtracted, is answered by the
+/// frame of the hand that holds something, on the arcs of its joints, but with flesh bent as in
+/// that frame.
 #[test]
 fn modes_agree_on_a_car_that_is_held() {
     modes_agree(CAR, [0.02, 0.025]);

@@ -1,5 +1,6 @@
-//! Goal: threads are as urgent as they are said to be, and memory of hands that come later is locked as well. Method: a real
-//! loop with a real device's thread, and what the system says of this process.
+//! Goal: threads are as urgent as they are said to be, and memory of hands that come later is
+//! locked as well. Method: a real loop with a real device's thread, and what the system says of
+//! this process.
 #![cfg(target_os = "linux")]
 
 use crate::rig::{SCENE, session};
@@ -49,8 +50,8 @@ fn until(what: &str, mut done: impl FnMut() -> bool) {
     }
 }
 
-/// Where the system allows it, threads have their priorities; where not, the loop says so and names the command that tells
-/// more.
+/// Where the system allows it, threads have their priorities; where not, the loop says so and names
+/// the command that tells more.
 #[test]
 fn threads_are_as_urgent_as_they_are_said_to_be() {
     let allowed = std::thread::spawn(|| raise_priority(Urgency::Keeper).is_ok()).join().unwrap();
@@ -71,7 +72,8 @@ fn threads_are_as_urgent_as_they_are_said_to_be() {
     }
 }
 
-/// 24 MiB that came into use between the start of the loop and its first hand are locked with that hand.
+/// 24 MiB that came into use between the start of the loop and its first hand are locked with that
+/// hand.
 #[test]
 fn memory_of_hands_that_come_later_is_locked() {
     let allowed = lock_memory().is_ok();

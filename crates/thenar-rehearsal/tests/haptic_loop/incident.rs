@@ -1,5 +1,6 @@
-//! Goal: what was felt before forces stopped can be made again, to the same bits, and not with anything else. Method: the
-//! loop on a made-up clock, its incident through a file, and the chain run over it; then with one thing changed.
+//! Goal: what was felt before forces stopped can be made again, to the same bits, and not with
+//! anything else. Method: the loop on a made-up clock, its incident through a file, and the chain
+//! run over it; then with one thing changed.
 
 use crate::rig::{MS, PRESS, Rig, SCENE};
 use std::path::PathBuf;
@@ -13,7 +14,8 @@ use thenar_track::live::LivePose;
 const FLESH: &str = "version = 1\ntime_step = 0.01\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n\
                      tets = 200\n[solver]\nkind = \"exact\"\n";
 
-/// What pulls at the finger and at the palm, to and fro; the wearer feels that, and not the hand's own flesh.
+/// What pulls at the finger and at the palm, to and fro; the wearer feels that, and not the hand's
+/// own flesh.
 const LOADS: &str = r#"
 [[load]]
 kind = "force"
@@ -31,7 +33,8 @@ fn settings(mode: LoopMode) -> Settings {
     Settings { mode, grip: None, trip_folder: Some(std::env::temp_dir()), ..Settings::default() }
 }
 
-/// Runs for some milliseconds, a frame every tenth and a sample every fifth of them, and keeps what was recorded.
+/// Runs for some milliseconds, a frame every tenth and a sample every fifth of them, and keeps what
+/// was recorded.
 fn run(rig: &mut Rig, ms: u64, kept: &mut Vec<TickRecord>, flexion: impl Fn(u64) -> f64) {
     for k in 0..ms {
         if k % 10 == 0 {
@@ -83,7 +86,8 @@ impl Drop for File {
     }
 }
 
-/// Up to three seconds and a bit, whatever stands between hand and simulation and whatever is felt with.
+/// Up to three seconds and a bit, whatever stands between hand and simulation and whatever is felt
+/// with.
 #[test]
 fn incidents_are_made_again_bit_for_bit() {
     let all = [
@@ -110,7 +114,8 @@ fn incidents_are_made_again_bit_for_bit() {
     }
 }
 
-/// One bit of one sample, one frame that is another, one tick a nanosecond later: that is noticed where it acts.
+/// One bit of one sample, one frame that is another, one tick a nanosecond later: that is noticed
+/// where it acts.
 #[test]
 fn what_is_not_the_same_is_noticed() {
     let (incident, _) = incident(SCENE, LoopMode::Multirate, Rendering::Tendons);
@@ -142,7 +147,8 @@ fn what_is_not_the_same_is_noticed() {
     assert!(armed > 100, "{armed}");
 }
 
-/// Two seconds at least and no more than three and a tick, however long it ran; and nothing at all in single-rate.
+/// Two seconds at least and no more than three and a tick, however long it ran; and nothing at all
+/// in single-rate.
 #[test]
 fn what_is_kept_is_bounded() {
     let (incident, _) = incident(SCENE, LoopMode::Multirate, Rendering::Tendons);
@@ -153,7 +159,8 @@ fn what_is_kept_is_bounded() {
     assert!(rig.clock.reel.is_none());
 }
 
-/// A monitor that looks too rarely lets samples overflow: what is kept begins anew with the next state, and is whole.
+/// A monitor that looks too rarely lets samples overflow: what is kept begins anew with the next
+/// state, and is whole.
 #[test]
 fn a_ring_that_overflows_begins_anew() {
     let mut rig = Rig::of(SCENE, &settings(LoopMode::Multirate), Rendering::Tendons);

@@ -1,6 +1,6 @@
-//! A loosely held hand behind a late tracker, in closed loop through the product's own chain: whatever disturbs it
-//! dies out, and it is given no energy. The default hand has one case of each kind; the others, and what is shown without the
-//! rule, are the paper's hand, which is quick.
+//! A loosely held hand behind a late tracker, in closed loop through the product's own chain:
+//! whatever disturbs it dies out, and it is given no energy. The default hand has one case of each
+//! kind; the others, and what is shown without the rule, are the paper's hand, which is quick.
 
 use crate::rig::{session, small};
 use thenar_link::haptic_loop::LoopMode;
@@ -48,8 +48,9 @@ fn rehearsed(what: &Rehearsal, scene: &str) -> Outcome {
     out
 }
 
-/// A finger of 50 g, 1 N s/m and 50 N/m that presses a table, seen 20 ms late. On the couplings as they are it hums,
-/// and the guards, which account for energy at the wearer's side, see that and stop it. Cut to the rule it is still.
+/// A finger of 50 g, 1 N s/m and 50 N/m that presses a table, seen 20 ms late. On the couplings as
+/// they are it hums, and the guards, which account for energy at the wearer's side, see that and
+/// stop it. Cut to the rule it is still.
 #[test]
 fn a_loose_finger_hums_on_couplings_and_is_still_within_the_rule() {
     let loose = [0.05, 1.0, 50.0];
@@ -62,8 +63,9 @@ fn a_loose_finger_hums_on_couplings_and_is_still_within_the_rule() {
     is_still(&held(1.9, loose, [60.0, 0.05]), &small(&table));
 }
 
-/// Fingers that press and let go, twice a second: what they are given stays within what their own damping takes up,
-/// firm, behind a late tracker, and with all cases loose, behind a prompt one. Without the rule a loose finger is given more.
+/// Fingers that press and let go, twice a second: what they are given stays within what their own
+/// damping takes up, firm, behind a late tracker, and with all cases loose, behind a prompt one.
+/// Without the rule a loose finger is given more.
 #[test]
 fn moving_fingers_are_given_no_more_than_their_damping_takes_up() {
     let table = at_60_hz(TABLE);
@@ -81,7 +83,8 @@ fn moving_fingers_are_given_no_more_than_their_damping_takes_up() {
     assert!(worst.beyond > 2e-3, "{worst:?}");
 }
 
-/// A heavy, firm hand on exact poses: frames are not felt as ticks, neither with the couplings as they are nor by the rule.
+/// A heavy, firm hand on exact poses: frames are not felt as ticks, neither with the couplings as
+/// they are nor by the rule.
 #[test]
 fn grasps_are_smooth_from_frame_to_frame() {
     for (scene, until) in [(BREAD, 2.1), (CAR, 2.1)] {
@@ -89,7 +92,8 @@ fn grasps_are_smooth_from_frame_to_frame() {
         let out = rehearsed(&Rehearsal { grip: None, after: 1.0, ..firm }, scene);
         let [most, step] = out.largest;
         println!("{most} N, by {step} N a tick");
-        // A finger that meets the car at 0.27 m/s is met with 0.043 N a tick by its coupling of 160 N/m alone.
+        // A finger that meets the car at 0.27 m/s is met with 0.043 N a tick by its coupling of 160
+        // N/m alone.
         assert!(most > 1.0 && step < 0.05, "{most} N, by {step} N a tick");
     }
     let firm = held(2.1, [2.0, 10.0, 500.0], [1000.0, 0.0]);
@@ -111,8 +115,9 @@ fn other_hands_and_modes_are_still() {
     one_in(2, all).for_each(|(what, scene)| is_still(&what, scene));
 }
 
-/// Frames of 33 Hz that arrive a period late. In multirate contact is felt with frames only, so that all of their
-/// delay is between motion and force: at the stiffness that the tracker alone would allow, the hand hums.
+/// Frames of 33 Hz that arrive a period late. In multirate contact is felt with frames only, so
+/// that all of their delay is between motion and force: at the stiffness that the tracker alone
+/// would allow, the hand hums.
 #[test]
 fn late_frames_do_not_make_a_loose_hand_hum() {
     for (mode, step, mbk) in [
@@ -124,9 +129,9 @@ fn late_frames_do_not_make_a_loose_hand_hum() {
     }
 }
 
-/// Seen with a millimetre of noise, which is observed longer, followed less tightly and felt softer for it:
-/// a loose finger trembles with what it is told, and does not hum. A millimetre on the rule's stiffness is its force,
-/// and moves it by F/k.
+/// Seen with a millimetre of noise, which is observed longer, followed less tightly and felt softer
+/// for it: a loose finger trembles with what it is told, and does not hum. A millimetre on the
+/// rule's stiffness is its force, and moves it by F/k.
 #[test]
 fn a_loose_finger_seen_with_noise_does_not_hum() {
     let all = [([0.05, 1.0, 50.0], [90.0, 0.0]), ([0.05, 1.0, 150.0], [60.0, 0.02])];
@@ -140,7 +145,8 @@ fn a_loose_finger_seen_with_noise_does_not_hum() {
     }
 }
 
-/// 20 mN and 0.1 mm rms, 0.1 mJ a second, at four fifths of the rule or more of what the couplings give.
+/// 20 mN and 0.1 mm rms, 0.1 mJ a second, at four fifths of the rule or more of what the couplings
+/// give.
 fn is_still(what: &Rehearsal, scene: &str) {
     let out = rehearsed(what, scene);
     let worst = out.worst();

@@ -1,8 +1,9 @@
-//! Goal: a hand that rests on what it feels comes to rest, whatever hand it is, however it is seen, in every mode and on
-//! what it holds. Method: rehearsals with the paper's hand at 200 tetrahedra, one hand, tracker, mode and scene each.
+//! Goal: a hand that rests on what it feels comes to rest, whatever hand it is, however it is seen,
+//! in every mode and on what it holds. Method: rehearsals with the paper's hand at 200 tetrahedra,
+//! one hand, tracker, mode and scene each.
 //!
-//! Every 29th case runs here, which takes all hands, trackers, modes and scenes in turn; `THENAR_CASES=all` runs them
-//! all.
+//! Every 29th case runs here, which takes all hands, trackers, modes and scenes in turn;
+//! `THENAR_CASES=all` runs them all.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -49,7 +50,8 @@ fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
         until,
         press: 0.01,
         sway: None,
-        // What the push took off the felt stiffness, as noise of the tracker, has grown back after three seconds.
+        // What the push took off the felt stiffness, as noise of the tracker, has grown back after
+        // three seconds.
         after: 4.0,
     };
     let out = what.run(session).expect("a hand that holds");
@@ -61,15 +63,16 @@ fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
     (name, what, out)
 }
 
-/// What is left at worst of a disturbance in the middle of the window that is looked at: of the hand's own damping the
-/// rule leaves `b - 0.85` N s/m, and it decays within `2 m/(b - 0.85)`.
+/// What is left at worst of a disturbance in the middle of the window that is looked at: of the
+/// hand's own damping the rule leaves `b - 0.85` N s/m, and it decays within `2 m/(b - 0.85)`.
 fn left(what: &Rehearsal) -> f64 {
     let Human { mass, damping, .. } = what.human;
     (-(what.after - 0.5) * (damping - 0.85) / (2.0 * mass)).exp()
 }
 
-/// 20 mN and 0.1 mm rms, 0.1 mJ a second; but a hand that its own damping does not bring to rest meanwhile sways with no
-/// more than is left of what disturbed it: contact, which took it away by F/k, and the push, by v₀/ω.
+/// 20 mN and 0.1 mm rms, 0.1 mJ a second; but a hand that its own damping does not bring to rest
+/// meanwhile sways with no more than is left of what disturbed it: contact, which took it away by
+/// F/k, and the push, by v₀/ω.
 fn check(name: &str, what: &Rehearsal, out: &Outcome) {
     let (worst, left) = (out.worst(), left(what));
     let Human { mass, stiffness, .. } = what.human;
@@ -79,8 +82,9 @@ fn check(name: &str, what: &Rehearsal, out: &Outcome) {
     assert!(out.trips.is_empty() && out.live, "{name}: {:?}", out.trips);
     assert!(worst.mean > 0.02, "{name}: nothing is felt");
     assert!(worst.motion_rms < motion && worst.rms < force, "{name}: {worst:?}");
-    // A hand that sways still is given no more than the rule takes off its damping, 0.85 N s/m, and what it goes along
-    // with the force from the window's begin to its end, less than twice 1.42 times its sway.
+    // A hand that sways still is given no more than the rule takes off its damping, 0.85 N s/m, and
+    // what it goes along with the force from the window's begin to its end, less than twice 1.42
+    // times its sway.
     let speed = worst.motion_rms * ((stiffness + out.stiffness) / mass).sqrt();
     let most = 1e-4 + 0.85 * speed * speed + 2.84 * worst.motion_rms * worst.mean;
     assert!(worst.given < most, "{name}: {worst:?}");
@@ -108,9 +112,10 @@ fn every_hand_comes_to_rest() {
     });
 }
 
-/// 2 kg, 1 N s/m and 50 N/m have a damping ratio of 0.05 or less: what disturbs them decays within `2 m/b` = 4 s, touched or not.
-/// At their 1.2 Hz observation makes up for a tracker at once, and nothing is taken off their damping: from 3 to 9 s
-/// after the push the sway falls by e^(-6/4), and neither mode nor rule has a part in it.
+/// 2 kg, 1 N s/m and 50 N/m have a damping ratio of 0.05 or less: what disturbs them decays within
+/// `2 m/b` = 4 s, touched or not. At their 1.2 Hz observation makes up for a tracker at once, and
+/// nothing is taken off their damping: from 3 to 9 s after the push the sway falls by e^(-6/4), and
+/// neither mode nor rule has a part in it.
 #[test]
 fn a_heavy_loose_hand_decays_as_it_does_by_itself() {
     let swayed = [3.0, 9.0].map(|after| heavy(after).1.worst().motion_rms);
@@ -118,7 +123,8 @@ fn a_heavy_loose_hand_decays_as_it_does_by_itself() {
     assert!((falls / own).ln().abs() < 0.3, "to {falls} of {swayed:?}, by itself to {own}");
 }
 
-/// 2 kg, 1 N s/m and 50 N/m, pressed on a table and looked at for the second that ends so long after the push \[s\].
+/// 2 kg, 1 N s/m and 50 N/m, pressed on a table and looked at for the second that ends so long
+/// after the push \[s\].
 fn heavy(after: f64) -> (Rehearsal, Outcome) {
     let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
     let (_, text, until) = SCENES[0];
@@ -132,15 +138,16 @@ fn heavy(after: f64) -> (Rehearsal, Outcome) {
     (what, out)
 }
 
-/// How long a hand sways by itself \[s\]: until the sway that contact, which takes it away by F/k, and the push, by v₀/ω,
-/// begin falls by e^(-t b/2m) to a tenth of a millimetre.
+/// How long a hand sways by itself \[s\]: until the sway that contact, which takes it away by F/k,
+/// and the push, by v₀/ω, begin falls by e^(-t b/2m) to a tenth of a millimetre.
 fn own_decay(human: &Human, force: f64) -> f64 {
     let Human { mass, damping, stiffness } = *human;
     let start = force / stiffness + 0.5 * 0.05 / (mass * stiffness).sqrt();
     2.0 * mass / damping * (start / 1e-4).ln()
 }
 
-/// Given as long as its own damping takes, and two seconds, the same hand is still: 0.1 mm and 20 mN rms, 0.1 mJ a second.
+/// Given as long as its own damping takes, and two seconds, the same hand is still: 0.1 mm and 20
+/// mN rms, 0.1 mJ a second.
 #[test]
 fn a_heavy_loose_hand_is_still_after_its_own_decay() {
     let (what, first) = heavy(1.0);

@@ -1,5 +1,6 @@
-//! Goal: noise of a tracker is felt as little. Method: fingers held still, pressed on a table and closed about a ball, seen with
-//! white noise and lost samples; the spectrum of the force that is sent, by Fourier's sums.
+//! Goal: noise of a tracker is felt as little. Method: fingers held still, pressed on a table and
+//! closed about a ball, seen with white noise and lost samples; the spectrum of the force that is
+//! sent, by Fourier's sums.
 
 use crate::rig::{Rig, session};
 use std::collections::VecDeque;
@@ -31,8 +32,8 @@ pose = "pinch"
 /// Window that is looked at \[ms\].
 const WINDOW: usize = 8000;
 
-/// A scene, the time at which its hand is where it is held \[s\], how far knuckles close beyond that \[rad\], thumb first, and the
-/// fingers that are looked at.
+/// A scene, the time at which its hand is where it is held \[s\], how far knuckles close beyond
+/// that \[rad\], thumb first, and the fingers that are looked at.
 #[derive(Clone, Copy)]
 struct Hold {
     name: &'static str,
@@ -75,7 +76,8 @@ fn white(random: &mut Random, size: f64) -> f64 {
     size * 0.5 * (0..12).map(|_| random.symmetric()).sum::<f64>()
 }
 
-/// Root mean square of a signal's part between two frequencies \[Hz\], but for its mean; samples every millisecond.
+/// Root mean square of a signal's part between two frequencies \[Hz\], but for its mean; samples
+/// every millisecond.
 fn band(signal: &[f64], from: f64, to: f64) -> f64 {
     let n = signal.len();
     let step = 1e3 / n as f64;
@@ -119,7 +121,8 @@ fn between_tips(scene: &str, hold: &Hold) -> String {
     format!("[[rigid]]\nname = \"ball\"\n{shape}\nposition = [{x}, {y}, {z}]\n")
 }
 
-/// Forces sent to two fingers of the paper's hand, which is quick, on couplings of 160 N/m that no rule softens.
+/// Forces sent to two fingers of the paper's hand, which is quick, on couplings of 160 N/m that no
+/// rule softens.
 fn forces(hold: &Hold, mode: LoopMode, sight: &Seen) -> Vec<Vec<f64>> {
     let settings = Settings { mode, grip: None, ..Settings::default() };
     let mut scene =
@@ -164,7 +167,8 @@ fn forces(hold: &Hold, mode: LoopMode, sight: &Seen) -> Vec<Vec<f64>> {
     out
 }
 
-/// Mean force \[N\], and what is felt of noise below 40 Hz and from 40 to 300 Hz \[N rms\], of two fingers together.
+/// Mean force \[N\], and what is felt of noise below 40 Hz and from 40 to 300 Hz \[N rms\], of two
+/// fingers together.
 fn felt(hold: &Hold, mode: LoopMode, sight: &Seen) -> [f64; 3] {
     let forces = forces(hold, mode, sight);
     let each = forces.iter().map(|felt| {
@@ -182,9 +186,10 @@ fn felt(hold: &Hold, mode: LoopMode, sight: &Seen) -> [f64; 3] {
     [mean, low, high]
 }
 
-/// A millimetre, with what it turns the wrist by, and two degrees of each joint, which are 3.7 mm at a fingertip, on 160 N/m:
-/// 4 % of 3 N below 40 Hz, and from 40 to 300 Hz 5 mN. (As long as all noise was remembered alike, for 50 ms, and two samples
-/// that were off the same way were taken for a motion, they were 7 % and 13 to 29 mN.) Without noise nothing moves.
+/// A millimetre, with what it turns the wrist by, and two degrees of each joint, which are 3.7 mm
+/// at a fingertip, on 160 N/m: 4 % of 3 N below 40 Hz, and from 40 to 300 Hz 5 mN. (As long as all
+/// noise was remembered alike, for 50 ms, and two samples that were off the same way were taken for
+/// a motion, they were 7 % and 13 to 29 mN.) Without noise nothing moves.
 #[test]
 fn noise_is_felt_as_little() {
     let [_, low, high] = felt(&PRESSED, LoopMode::Shared, &AT_90_HZ);
@@ -201,7 +206,8 @@ fn noise_is_felt_as_little() {
     }
 }
 
-/// Other rates, latencies, sizes of noise and modes, with all cases. At 60 Hz the longest memory is too short.
+/// Other rates, latencies, sizes of noise and modes, with all cases. At 60 Hz the longest memory is
+/// too short.
 #[test]
 fn noise_of_other_trackers_is_felt_as_little() {
     let noisy = |every, late, part: f64| Seen { every, late, noise: NOISE.map(|x| part * x) };

@@ -1,5 +1,6 @@
-//! Goal: a loosely held hand that is seen with noise is given no energy but what noise stirs. Method: rehearsals on a
-//! table with the weakest hands, and what they are given in the last second of many.
+//! Goal: a loosely held hand that is seen with noise is given no energy but what noise stirs.
+//! Method: rehearsals on a table with the weakest hands, and what they are given in the last second
+//! of many.
 
 use std::path::Path;
 use thenar_link::haptic_loop::LoopMode;
@@ -9,11 +10,13 @@ use thenar_touch::TrackerTiming;
 
 const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 
-/// A millimetre of the wrist and one of each finger, 1.4 mm at a pad, are remembered for some 40 ms at 90 Hz and 60 ms at 60 Hz: the
-/// rule knows, and leaves 15 to 23 N/m behind a tracker without latency and 8 to 10 N/m behind one of 50 ms. Stirred by the force of noise, K times half a millimetre or so, a
-/// finger of damping b takes up no more than `F²/b`, even if all of it were at the finger's own frequency. That is all it
-/// is given nine seconds after it was pushed, besides what it goes along with the mean force from the window's begin to its
-/// end, less than twice 1.42 times its sway.
+/// A millimetre of the wrist and one of each finger, 1.4 mm at a pad, are remembered for some 40 ms
+/// at 90 Hz and 60 ms at 60 Hz: the rule knows, and leaves 15 to 23 N/m behind a tracker without
+/// latency and 8 to 10 N/m behind one of 50 ms. Stirred by the force of noise, K times half a
+/// millimetre or so, a finger of damping b takes up no more than `F²/b`, even if all of it were at
+/// the finger's own frequency. That is all it is given nine seconds after it was pushed, besides
+/// what it goes along with the mean force from the window's begin to its end, less than twice 1.42
+/// times its sway.
 #[test]
 fn a_loose_hand_seen_with_noise_is_only_stirred() {
     for (mbk, [rate, latency]) in [

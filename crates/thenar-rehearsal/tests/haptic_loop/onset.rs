@@ -1,5 +1,6 @@
-//! Goal: the rule shows a loose hand less than what it comes to rest on, and not much less. Method: the stiffest coupling on which
-//! a finger that presses a table is still, found by rehearsals, beside a late spring by theory.
+//! Goal: the rule shows a loose hand less than what it comes to rest on, and not much less. Method:
+//! the stiffest coupling on which a finger that presses a table is still, found by rehearsals,
+//! beside a late spring by theory.
 
 use std::path::Path;
 use thenar_link::haptic_loop::LoopMode;
@@ -33,7 +34,8 @@ fn the_rule_stays_below_the_onset_of_humming() {
         onset.stiffness > onset.theory / 1.6 && onset.stiffness < 1.6 * onset.theory,
         "{onset:?}"
     );
-    // The loop does not know the wearer's damping: by its grip of 1 N s/m it shows b / (T/2 + t_d), with what it keeps free.
+    // The loop does not know the wearer's damping: by its grip of 1 N s/m it shows b / (T/2 + t_d),
+    // with what it keeps free.
     let rule = MARGIN * GRIP / (0.5e-3 + onset.delay);
     assert!((onset.shown / rule - 1.0).abs() < 1e-9, "{onset:?}, {rule} N/m by the rule");
 }

@@ -18,8 +18,8 @@ pub const MS: u64 = 1_000_000;
 pub const SCENE: &str =
     "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\nflesh = false\n";
 
-/// The same scene with the paper's hand of 200 tetrahedra: it steps in a fraction of the time, and is as good where the
-/// chain matters and not the flesh.
+/// The same scene with the paper's hand of 200 tetrahedra: it steps in a fraction of the time, and
+/// is as good where the chain matters and not the flesh.
 pub fn small(scene: &str) -> String {
     let model = "model = \"right\"\n";
     assert!(scene.contains(model), "{scene}");

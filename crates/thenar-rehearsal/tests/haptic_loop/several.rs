@@ -1,5 +1,5 @@
-//! Goal: two devices on one hand are told apart. Method: two trackers that see one hand in two places, two displays that show
-//! it; the loop on a made-up clock, a hand that is held.
+//! Goal: two devices on one hand are told apart. Method: two trackers that see one hand in two
+//! places, two displays that show it; the loop on a made-up clock, a hand that is held.
 
 use crate::rig::{MS, PRESS, Rig, Wearer, blocked, check_outputs, devices};
 use thenar_core::{Pose, Vec3};
@@ -7,7 +7,8 @@ use thenar_link::haptic_loop::ManualLoop;
 use thenar_link::{HandOutput, Rendering};
 use thenar_track::live::LivePose;
 
-/// A hand with as many trackers and displays as there are wearers, of which the first is the rig's own.
+/// A hand with as many trackers and displays as there are wearers, of which the first is the rig's
+/// own.
 fn several(renderings: [Rendering; 2]) -> (Rig, Wearer) {
     let mut rig = Rig::new(&blocked(), renderings[0]);
     let [(first, a, shows_a), (second, b, shows_b)] = renderings.map(devices);
@@ -18,7 +19,8 @@ fn several(renderings: [Rendering; 2]) -> (Rig, Wearer) {
     (rig, second)
 }
 
-/// Some ticks with the finger pressed by `press`, seen by the first tracker and, `by` elsewhere, by the second, if they look.
+/// Some ticks with the finger pressed by `press`, seen by the first tracker and, `by` elsewhere, by
+/// the second, if they look.
 fn go(rig: &mut Rig, other: &Wearer, ms: u64, press: f64, [first, second]: [bool; 2]) {
     for k in 0..ms {
         rig.blocked_frame();
@@ -40,8 +42,9 @@ fn outputs(wearer: &Wearer) -> Vec<HandOutput> {
     wearer.shown.lock().unwrap().outputs.clone()
 }
 
-/// Another tracker that sees the hand 7 cm elsewhere changes no bit of what is felt while the first one sees it. The first is
-/// silent: the other takes the hand over, after 0.1 s, with a set-out that is not felt; and keeps it.
+/// Another tracker that sees the hand 7 cm elsewhere changes no bit of what is felt while the first
+/// one sees it. The first is silent: the other takes the hand over, after 0.1 s, with a set-out
+/// that is not felt; and keeps it.
 #[test]
 fn one_tracker_moves_the_hand_until_it_is_silent() {
     let felt = |two: bool| {
@@ -75,8 +78,8 @@ fn one_tracker_moves_the_hand_until_it_is_silent() {
     assert_eq!(rig.clock.core(|core| core.tripped()), None);
 }
 
-/// Tendons and stops on one hand: each shows as if it were alone; one that is silent is let go and the other is not; what
-/// trips one stops both.
+/// Tendons and stops on one hand: each shows as if it were alone; one that is silent is let go and
+/// the other is not; what trips one stops both.
 #[test]
 fn two_displays_of_one_hand_have_their_own_guards() {
     let (mut rig, stops) = several([Rendering::Tendons, Rendering::Stops]);

@@ -138,8 +138,9 @@ fn the_simulation_can_be_within_the_loop() {
     assert!(rig.now_ns > 1500 * MS);
 }
 
-/// Single-rate: a stage on its script and a ball under a constant force move in the loop's simulation as
-/// in the scene's, though the loop alone steps it: x = x₀ + v t and z = z₀ + F t² / 2 m.
+/// Single-rate: a stage on its script and a ball under a constant force move in the loop's
+/// simulation as in the scene's, though the loop alone steps it: x = x₀ + v t and z = z₀ + F t² / 2
+/// m.
 #[test]
 fn what_else_moves_goes_on_within_the_loop() {
     const OTHERS: &str = "version = 1
@@ -191,8 +192,8 @@ force = [0, 0, 0.05]
     });
 }
 
-/// Until a tracker finds it, a hand is where its scene has it, with its own weight: what is led at the
-/// first pose sets out from there.
+/// Until a tracker finds it, a hand is where its scene has it, with its own weight: what is led at
+/// the first pose sets out from there.
 #[test]
 fn a_hand_that_nobody_tracks_stays_with_its_simulation() {
     for mode in [LoopMode::Shared, LoopMode::Multirate] {

@@ -1,5 +1,6 @@
-//! Goal: the stiffness that is stated is what a wearer measures, but for what gives way. Method: rehearsed fingers that press a table a
-//! millimetre deeper, force by way, with the couplings as they are and cut by the rule.
+//! Goal: the stiffness that is stated is what a wearer measures, but for what gives way. Method:
+//! rehearsed fingers that press a table a millimetre deeper, force by way, with the couplings as
+//! they are and cut by the rule.
 
 use std::path::Path;
 use thenar_link::haptic_loop::LoopMode;
@@ -29,8 +30,9 @@ fn measured(grip: Option<f64>) -> (Outcome, [f64; 5]) {
     (out, measured)
 }
 
-/// A bone that cannot move is felt as the couplings are, in series with the pad's flesh and the finger's joints: softer, by what these
-/// give way, and the rule cuts all of it in one part, that which is stated.
+/// A bone that cannot move is felt as the couplings are, in series with the pad's flesh and the
+/// finger's joints: softer, by what these give way, and the rule cuts all of it in one part, that
+/// which is stated.
 #[test]
 fn what_is_measured_is_cut_as_is_stated() {
     let (whole, as_they_are) = measured(None);

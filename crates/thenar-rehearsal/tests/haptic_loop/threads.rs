@@ -128,7 +128,8 @@ impl World {
     fn press_again(&self) {
         *self.flexion.lock().unwrap() = 0.0;
         until("full force", || self.allowed());
-        // A busy machine may stop or pause the forces on the way: they come back to an open hand only.
+        // A busy machine may stop or pause the forces on the way: they come back to an open hand
+        // only.
         until("a force", || {
             let press = if self.allowed() { PRESS } else { 0.0 };
             *self.flexion.lock().unwrap() = press;

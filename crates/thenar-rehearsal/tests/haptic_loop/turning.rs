@@ -1,5 +1,6 @@
-//! Goal: a handle that a loose pinch holds does not hum on a palm that is stiff to turn, however soft it is to push. Method: a
-//! wearer's handle of one turn, seen at 90 Hz, in closed loop with an arm that turns it; the simulated hand is held.
+//! Goal: a handle that a loose pinch holds does not hum on a palm that is stiff to turn, however
+//! soft it is to push. Method: a wearer's handle of one turn, seen at 90 Hz, in closed loop with an
+//! arm that turns it; the simulated hand is held.
 
 use crate::rig::{Rig, blocked};
 use thenar_core::{Pose, Quat, Vec3};
@@ -14,8 +15,8 @@ const INERTIA: f64 = 0.05 * LEVER * LEVER;
 const DAMPING: f64 = GRIP * LEVER * LEVER;
 const STIFFNESS: f64 = 0.02;
 
-/// What the handle does in the last second after a push: its mean turn beyond what is commanded, the root mean square about it
-/// \[rad\], the mean torque \[N m\]; and why all stopped, if it did.
+/// What the handle does in the last second after a push: its mean turn beyond what is commanded,
+/// the root mean square about it \[rad\], the mean torque \[N m\]; and why all stopped, if it did.
 fn pushed(grip: Option<f64>) -> ([f64; 3], Option<String>) {
     // Softer to push than the rule has it, and stiff to turn: 0.27 N m/rad.
     let design =
@@ -50,8 +51,9 @@ fn pushed(grip: Option<f64>) -> ([f64; 3], Option<String>) {
     ([mean, (square - mean * mean).max(0.0).sqrt(), torque], reason)
 }
 
-/// On the coupling as it is the handle hums, or is stopped; by the rule it is still, and felt no stiffer than the rule in angle
-/// lets it be behind the delay of a pad on the usual couplings, which is shorter.
+/// On the coupling as it is the handle hums, or is stopped; by the rule it is still, and felt no
+/// stiffer than the rule in angle lets it be behind the delay of a pad on the usual couplings,
+/// which is shorter.
 #[test]
 fn a_turned_handle_is_still_by_the_rule() {
     let ([_, hums, _], reason) = pushed(None);

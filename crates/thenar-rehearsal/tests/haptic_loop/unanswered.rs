@@ -1,5 +1,6 @@
-//! Goal: a step whose matrix cannot be factored, so that its frame has no response, lets nobody feel the hand's own
-//! flesh. Method: the default hand in the default mode, whose simulation does not answer for a while.
+//! Goal: a step whose matrix cannot be factored, so that its frame has no response, lets nobody
+//! feel the hand's own flesh. Method: the default hand in the default mode, whose simulation does
+//! not answer for a while.
 
 use crate::rig::{MS, Rig, session};
 use std::f64::consts::FRAC_PI_2;
@@ -69,8 +70,8 @@ impl Simulation for Moody {
     }
 }
 
-/// The force of all couplings in each millisecond \[N\]: the finger bends, and after 1.2 s frames have no response in these
-/// milliseconds from then.
+/// The force of all couplings in each millisecond \[N\]: the finger bends, and after 1.2 s frames
+/// have no response in these milliseconds from then.
 fn felt(scene: &str, unanswered: Range<u64>, ms: u64) -> Vec<f64> {
     let settings = Settings { mode: LoopMode::Shared, grip: None, ..Settings::default() };
     let mut rig = Rig::of(scene, &settings, Rendering::Tendons);
@@ -110,7 +111,8 @@ fn without_a_response_the_flesh_is_not_felt() {
     }
 }
 
-/// A weight of 1 N stays for a frame without a response, and is back after many; meanwhile it fades within 0.1 s.
+/// A weight of 1 N stays for a frame without a response, and is back after many; meanwhile it fades
+/// within 0.1 s.
 #[test]
 fn what_was_felt_is_kept_for_a_frame_and_then_fades() {
     let loaded = format!("{HAND}{LOAD}");

@@ -1,5 +1,6 @@
-//! Goal: a whole soft hand is felt through the product's own loop alike in all modes, at any rate of the simulation. Method: a
-//! hand of about 600 tetrahedra over a table, led through exact poses in simulated time; ticks of 1 ms.
+//! Goal: a whole soft hand is felt through the product's own loop alike in all modes, at any rate
+//! of the simulation. Method: a hand of about 600 tetrahedra over a table, led through exact poses
+//! in simulated time; ticks of 1 ms.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -47,8 +48,9 @@ fn led(study: &Study, mode: LoopMode, period: u64, set: &[&str]) -> Comparison {
     study.run(open(OVER_A_TABLE, period, set), mode).unwrap()
 }
 
-/// Frames of 60 and 20 Hz that arrive a period late, against the simulation within the tick. Neither that nor
-/// shared constraints give out energy; these are as stiff as the simulation itself and without jumps.
+/// Frames of 60 and 20 Hz that arrive a period late, against the simulation within the tick.
+/// Neither that nor shared constraints give out energy; these are as stiff as the simulation itself
+/// and without jumps.
 #[test]
 fn shared_constraints_feel_like_the_simulation_within_the_tick() {
     let whole = led(&PRESS, LoopMode::SingleRate, 16, &[]);
@@ -74,12 +76,13 @@ fn shared_constraints_feel_like_the_simulation_within_the_tick() {
     for (period, jump) in [(16, 0.2), (50, 0.4)] {
         let shared = led(&PRESS, LoopMode::Shared, period, &[]);
         let paper = led(&PRESS, LoopMode::Multirate, period, &[]);
-        // So late, it gives out energy; felt as stiff as a loose grip bears, less than that grip takes up at each of
-        // the 16 bones, `b a² ω²/2` a second.
+        // So late, it gives out energy; felt as stiff as a loose grip bears, less than that grip
+        // takes up at each of the 16 bones, `b a² ω²/2` a second.
         let bounded = Study { grip: Some(GRIP), ..PRESS };
         let bounded = led(&bounded, LoopMode::Multirate, period, &[]);
         [&shared, &paper, &bounded].iter().for_each(|one| tell(one));
-        // Multirate is as late as the rule says for frames a period old; observation leads the slow press by some 2 ms.
+        // Multirate is as late as the rule says for frames a period old; observation leads the slow
+        // press by some 2 ms.
         let frame = period as f64;
         let rule = 2.0 * frame / r - 0.5 * frame + 1e3 * ((1.0 - r * r) * damper / 1000.0 + BLEND);
         assert!((paper.delay_ms / rule).ln().abs() < 0.1, "{} of {rule} ms", paper.delay_ms);
@@ -94,9 +97,10 @@ fn shared_constraints_feel_like_the_simulation_within_the_tick() {
     }
 }
 
-/// A glove of soft couplings (200 N/m to its proxies) on stiff bones (400 and 1600 N/m), up and down by 10 cm once a second: what is
-/// felt at most, where the fingertips leave the table, is 0.1 N for each of 16 couplings. Shared constraints give less than a
-/// thousandth of what a loose grip takes up meanwhile at each bone.
+/// A glove of soft couplings (200 N/m to its proxies) on stiff bones (400 and 1600 N/m), up and
+/// down by 10 cm once a second: what is felt at most, where the fingertips leave the table, is 0.1
+/// N for each of 16 couplings. Shared constraints give less than a thousandth of what a loose grip
+/// takes up meanwhile at each bone.
 #[test]
 fn a_soft_coupling_to_stiff_bones_is_quiet_in_free_air() {
     for (drive, period) in [(400, 16), (1600, 16), (1600, 50)] {
@@ -150,7 +154,8 @@ fn a_stalled_simulation_keeps_the_period_and_a_continuous_force() {
         assert!(oldest > 0.5 && oldest < 0.7, "{oldest} s");
         assert!(jump < jump_max, "{mode:?}: {jump} N from one tick to the next");
         assert!(work < 0.01 * stored, "{mode:?} gives {work} J");
-        // The hand is felt all the while; with shared constraints the force follows the swing, in multirate it stays.
+        // The hand is felt all the while; with shared constraints the force follows the swing, in
+        // multirate it stays.
         let follows = if mode == LoopMode::Shared { 5.0 } else { 0.0 };
         assert!(low > 5.0 && high < 60.0 && high - low > follows, "{mode:?}: {low} to {high} N");
     }

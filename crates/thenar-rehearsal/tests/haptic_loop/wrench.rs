@@ -31,8 +31,8 @@ fn check(outputs: &[HandOutput]) -> [f64; 2] {
     largest
 }
 
-/// The palm of a hand that is held turned by 0.2 rad is turned back: angular springs in series, up to
-/// what the arm may do.
+/// The palm of a hand that is held turned by 0.2 rad is turned back: angular springs in series, up
+/// to what the arm may do.
 #[test]
 fn a_blocked_palm_is_twisted_back_within_the_torque_limits() {
     let mut rig = Rig::new(&blocked(), Rendering::Wrench);
@@ -59,7 +59,8 @@ fn a_blocked_palm_is_twisted_back_within_the_torque_limits() {
     assert!(torque > 0.5 * most, "{torque} N m");
 }
 
-/// Spun faster than a wrist turns: force and torque are both stopped, and the reason says which it was.
+/// Spun faster than a wrist turns: force and torque are both stopped, and the reason says which it
+/// was.
 #[test]
 fn a_palm_that_spins_stops_everything() {
     let mut rig = Rig::new(&blocked(), Rendering::Wrench);
@@ -124,8 +125,8 @@ fn no_wrench_is_ever_beyond_its_limits() {
     assert!(largest[0] > 0.5 && largest[1] > 0.005, "{largest:?}");
 }
 
-/// The simulated hand has a weight of its own, which its wearer's hand carries already: held still over
-/// nothing it is not felt, or forces would never begin to be small.
+/// The simulated hand has a weight of its own, which its wearer's hand carries already: held still
+/// over nothing it is not felt, or forces would never begin to be small.
 #[test]
 fn the_weight_of_the_simulated_hand_is_not_felt() {
     for mode in [LoopMode::Multirate, LoopMode::Shared, LoopMode::SingleRate] {
@@ -154,8 +155,8 @@ fn the_weight_of_the_simulated_hand_is_not_felt() {
         let live = rig.clock.core(|core| core.actuators()[0].status());
         assert_eq!(live, Status::Live, "{mode:?}: forces began");
         assert!(rig.now_ns > 2000 * MS && rig.wearer.last().force_W.norm() < 0.05);
-        // They began: a push of a hand that is held by hand is answered (these limits let through what
-        // points upwards).
+        // They began: a push of a hand that is held by hand is answered (these limits let through
+        // what points upwards).
         if mode != LoopMode::Multirate {
             continue;
         }
@@ -173,8 +174,8 @@ fn the_weight_of_the_simulated_hand_is_not_felt() {
     }
 }
 
-/// Armed before it is found, a metre from where the scene has it: it sets out by itself, faster than
-/// a wearer may move, and that is nobody's speed. Nothing stops.
+/// Armed before it is found, a metre from where the scene has it: it sets out by itself, faster
+/// than a wearer may move, and that is nobody's speed. Nothing stops.
 #[test]
 fn the_way_to_where_a_hand_is_found_is_not_the_wearers_speed() {
     let limits = Limits { speed_max: 1.2, ..limits() };

@@ -1,8 +1,8 @@
 //! The surface of flesh laid around the solids of bones.
 //!
-//! Flesh of thickness t is where the distance to the nearest solid is less than t. Distances of two solids blend
-//! where they differ by less than t/2, by the quadratic smooth minimum (Quilez, *Smooth minimum*, 2013), so that limbs join
-//! roundly.
+//! Flesh of thickness t is where the distance to the nearest solid is less than t. Distances of two
+//! solids blend where they differ by less than t/2, by the quadratic smooth minimum (Quilez,
+//! *Smooth minimum*, 2013), so that limbs join roundly.
 
 use super::plan::PlanSolid;
 use super::solid;
@@ -29,7 +29,8 @@ struct Grid {
 /// The surface at distance `thickness` \[m\] around the solids, blended.
 ///
 /// # Errors
-/// When the thickness is not positive, or so small beside the figure that the grid would be too large.
+/// When the thickness is not positive, or so small beside the figure that the grid would be too
+/// large.
 pub fn around(solids: &[PlanSolid], thickness: f64) -> Result<TriMesh, RigError> {
     crate::error::positive("thickness of flesh", thickness)?;
     let boxes = solids.iter().map(|s| Ok(solid::mesh(&s.shape)?.transformed(&s.pose_MS).bounds()));
@@ -97,7 +98,8 @@ impl Grid {
     }
 }
 
-/// The lesser of two, rounded where they differ by less than `width`: never more, and less by a quarter of it at most.
+/// The lesser of two, rounded where they differ by less than `width`: never more, and less by a
+/// quarter of it at most.
 fn smooth_minimum(a: f64, b: f64, width: f64) -> f64 {
     let near = (1.0 - (a - b).abs() / width).max(0.0);
     a.min(b) - 0.25 * width * near * near
@@ -116,8 +118,8 @@ mod tests {
         PlanSolid { shape: Shape::Sphere { radius }, pose_MS }
     }
 
-    /// Flesh around one ball is a ball: its volume from an inscribed surface, its points within a few parts of
-    /// the spacing.
+    /// Flesh around one ball is a ball: its volume from an inscribed surface, its points within a
+    /// few parts of the spacing.
     #[test]
     fn flesh_around_a_ball_is_a_ball() {
         let mesh = around(&[ball(0.02, 0.1)], 0.01).unwrap();
@@ -130,7 +132,8 @@ mod tests {
         }
     }
 
-    /// However solids lie to one another, the surface is closed and oriented; apart they stay apart.
+    /// However solids lie to one another, the surface is closed and oriented; apart they stay
+    /// apart.
     #[test]
     fn surfaces_close_at_any_distance() {
         for i in 0..40 {
@@ -151,7 +154,8 @@ mod tests {
         }
     }
 
-    /// A solid that is there many times has no more flesh than one that is there twice, an eighth more than asked at most.
+    /// A solid that is there many times has no more flesh than one that is there twice, an eighth
+    /// more than asked at most.
     #[test]
     fn many_pieces_in_one_place_are_not_fatter() {
         let pieces: Vec<PlanSolid> = (0..12).map(|_| ball(0.02, 0.0)).collect();

@@ -65,8 +65,8 @@ fn best_pair(plan: &Plan, weights: &BTreeMap<u32, f64>) -> (Binding, f64) {
     }
 }
 
-/// By the distance to the bones' solids: halfway between two joined bones a node follows both alike, and the
-/// other's share fades where it is farther by twice the thickness of the flesh.
+/// By the distance to the bones' solids: halfway between two joined bones a node follows both
+/// alike, and the other's share fades where it is farther by twice the thickness of the flesh.
 fn by_distance(plan: &Plan, p: &Vec3, thickness: f64) -> Binding {
     let distances: Vec<f64> = plan
         .bones

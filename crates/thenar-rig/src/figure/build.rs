@@ -117,10 +117,10 @@ fn kept_mimics(plan: &mut Plan, figure: &HandModel) -> Vec<Mimic> {
 
 /// Springs between flesh and bones, per volume of bone \[N/m⁴\], when a scene gives none.
 ///
-/// Bones may yield a twentieth of what flesh around them does. A rod of radius r in a tube of flesh, without slip
-/// at either and R = 2.5 r wide, is moved across it with 65 μ a unit of length at most (rubber bush, Adkins and Gent 1954: 4πμ over
-/// ln(R/r) - (R² - r²)/(R² + r²)), 22 E where volume is kept. From `κ π r² ≥ 20 · 22 E` for the slimmest
-/// bone follows `κ ≥ 140 E/r²`.
+/// Bones may yield a twentieth of what flesh around them does. A rod of radius r in a tube of
+/// flesh, without slip at either and R = 2.5 r wide, is moved across it with 65 μ a unit of length
+/// at most (rubber bush, Adkins and Gent 1954: 4πμ over ln(R/r) - (R² - r²)/(R² + r²)), 22 E where
+/// volume is kept. From `κ π r² ≥ 20 · 22 E` for the slimmest bone follows `κ ≥ 140 E/r²`.
 pub fn usual_coupling_stiffness(figure: &HandModel) -> f64 {
     let young = figure.flesh.materials.iter().map(|m| m.young).fold(0.0, f64::max);
     let slim = figure.bones.iter().map(|bone| bone.radius).filter(|r| *r > 0.0);
@@ -151,8 +151,8 @@ impl Plan {
     }
 }
 
-/// Where each bone begins and ends in M: from its joint to the middle of its children's, or past the middle of what it
-/// carries.
+/// Where each bone begins and ends in M: from its joint to the middle of its children's, or past
+/// the middle of what it carries.
 fn ends(plan: &Plan) -> Vec<[Vec3; 2]> {
     let begins: Vec<Vec3> = plan.bones.iter().map(begin).collect();
     let of = |b: usize| {
@@ -251,7 +251,8 @@ fn joint_descs(plan: &Plan, bones: &[Bone]) -> Vec<JointDesc> {
         .filter_map(|(child, bone)| Some((child, bone.parent?, bone.joint.as_ref()?)));
     let each = joined.map(|(child, parent, joint): (u32, u32, _)| {
         let frame = |b: u32| bones[b as usize].pose_MB.inverse() * joint.pose_MJ;
-        // Springs past a limit act in the two-step scheme alone: as strong as those of the joint, or of a hand's.
+        // Springs past a limit act in the two-step scheme alone: as strong as those of the joint,
+        // or of a hand's.
         let strongest = joint.axes.iter().map(|a| a.stiffness).fold(0.0, f64::max);
         JointDesc {
             name: joint.name.clone(),

@@ -1,5 +1,5 @@
-//! What the descriptions of robots have in common: links with joints between them, fixed and weightless ones
-//! among them, of which a [`Plan`] of bones is made.
+//! What the descriptions of robots have in common: links with joints between them, fixed and
+//! weightless ones among them, of which a [`Plan`] of bones is made.
 
 mod combine;
 mod mass;

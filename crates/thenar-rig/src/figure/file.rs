@@ -40,7 +40,8 @@ pub fn read_plan(path: &Path) -> Result<Plan, RigError> {
     read_plan_of(path, &[])
 }
 
-/// [`read_plan`] of the skinned meshes of these names; without names, of the one that encloses most.
+/// [`read_plan`] of the skinned meshes of these names; without names, of the one that encloses
+/// most.
 ///
 /// # Errors
 /// As there; also when meshes are named of a file that has no skin, or that has none of that name.

@@ -1,5 +1,5 @@
-//! The plan of a skinned mesh (glTF, VRM): its joints with the mesh's own skin. glTF knows no kinds of joints:
-//! all are balls, until whoever builds the figure says otherwise.
+//! The plan of a skinned mesh (glTF, VRM): its joints with the mesh's own skin. glTF knows no kinds
+//! of joints: all are balls, until whoever builds the figure says otherwise.
 
 use super::plan::{Plan, PlanBone, PlanJoint, PlanSkin};
 use crate::RigError;
@@ -18,10 +18,12 @@ pub fn read_glb_plan(bytes: &[u8]) -> Result<Plan, RigError> {
     read_glb_plan_of(bytes, &[])
 }
 
-/// The plan of the skinned meshes of these names in a GLB file; without names, of the one that encloses most.
+/// The plan of the skinned meshes of these names in a GLB file; without names, of the one that
+/// encloses most.
 ///
 /// # Errors
-/// As [`read_glb_plan`]; also when a name is none of the file's, or meshes hang on skeletons without common joints.
+/// As [`read_glb_plan`]; also when a name is none of the file's, or meshes hang on skeletons
+/// without common joints.
 pub fn read_glb_plan_of(bytes: &[u8], names: &[String]) -> Result<Plan, RigError> {
     let rig = read_skinned_glb_of(bytes, names)?;
     let mut notes = told(&rig.parts, names);

@@ -1,4 +1,5 @@
-//! The nodes of a figure's flesh that stand for bone, by the rule of hands (`hand::in_bone`), of solids of any shape.
+//! The nodes of a figure's flesh that stand for bone, by the rule of hands (`hand::in_bone`), of
+//! solids of any shape.
 
 use super::plan::{Plan, PlanSolid};
 use super::solid;
@@ -25,7 +26,8 @@ pub fn bone_nodes(
     Ok(held(&shares(lattice, &points, &volumes), bones))
 }
 
-/// Inside points of the lattice that lie in the solids; where these lie between all of them, the one nearest.
+/// Inside points of the lattice that lie in the solids; where these lie between all of them, the
+/// one nearest.
 fn inside(lattice: &Lattice, solids: &[PlanSolid]) -> Vec<usize> {
     let distance = |p: &Vec3| {
         let to = |s: &PlanSolid| s.shape.distance(&s.pose_MS.inverse_point(p)).value;

@@ -34,7 +34,8 @@ pub fn change_plan(plan: &mut Plan, changes: &[JointChange]) -> Result<(), RigEr
 /// Changes ranges, springs and dampers of joints of a figure that is built.
 ///
 /// # Errors
-/// The name fits no joint, or the change does not fit a joint; kinds and axes are those of the build.
+/// The name fits no joint, or the change does not fit a joint; kinds and axes are those of the
+/// build.
 pub fn change_joints(figure: &mut HandModel, change: &JointChange) -> Result<(), RigError> {
     if change.kind.is_some() {
         return Err(RigError::invalid("the kind of a joint is chosen when the figure is built"));
@@ -122,8 +123,8 @@ fn change_axes(
     Ok(())
 }
 
-/// Rotation of the joint's frame in M for these axes; inner none where any will do. None if they do not fit the
-/// kind.
+/// Rotation of the joint's frame in M for these axes; inner none where any will do. None if they do
+/// not fit the kind.
 fn frame(kind: JointKind, axes: &[Vec3]) -> Option<Option<Quat>> {
     let units: Vec<Vec3> = axes.iter().map(|a| a.try_normalize(1e-9)).collect::<Option<_>>()?;
     match (kind, &units[..]) {

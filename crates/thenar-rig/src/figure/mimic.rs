@@ -5,7 +5,8 @@ use thenar_core::model::{HandModel, JointKind};
 /// Coefficients of a mimic's law, from the constant one on.
 pub const MIMIC_TERMS: usize = 5;
 
-/// An axis of a joint that follows an axis of another: `angle = Σ law[i] · angle of the leaderⁱ`, both from the rest pose.
+/// An axis of a joint that follows an axis of another: `angle = Σ law[i] · angle of the leaderⁱ`,
+/// both from the rest pose.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mimic {
     /// Index of the joint that follows.
@@ -21,7 +22,8 @@ pub struct Mimic {
 }
 
 impl Mimic {
-    /// Angle that the law asks for \[rad\] and its change with the leader's, at this angle of the leader \[rad\].
+    /// Angle that the law asks for \[rad\] and its change with the leader's, at this angle of the
+    /// leader \[rad\].
     pub fn at(&self, leader: f64) -> (f64, f64) {
         polynomial(&self.law, leader)
     }
@@ -51,7 +53,8 @@ pub(super) fn polynomial(law: &[f64; MIMIC_TERMS], x: f64) -> (f64, f64) {
     law.iter().rev().fold((0.0, 0.0), step)
 }
 
-/// The first mimic that follows itself, through others or not, or whose axis follows another already.
+/// The first mimic that follows itself, through others or not, or whose axis follows another
+/// already.
 pub(crate) fn tangled(mimics: &[Mimic]) -> Option<Mimic> {
     let above = |end: (u32, u8)| mimics.iter().find(|mimic| mimic.ends()[1] == end);
     let second = |i: usize| mimics[..i].iter().any(|first| first.ends()[1] == mimics[i].ends()[1]);

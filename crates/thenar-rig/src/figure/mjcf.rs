@@ -1,5 +1,5 @@
-//! MJCF (the format of MuJoCo), without what moves a figure: motors are set in scenes; of constraints, those by which
-//! joints follow others are read.
+//! MJCF (the format of MuJoCo), without what moves a figure: motors are set in scenes; of
+//! constraints, those by which joints follow others are read.
 
 mod assets;
 mod body;
@@ -56,11 +56,13 @@ struct Notes<'a> {
     attributes: BTreeSet<&'a str>,
 }
 
-/// Reads the bodies of an MJCF text as bones. Meshes are looked for in the file's `folder`, or in `meshdir` there.
+/// Reads the bodies of an MJCF text as bones. Meshes are looked for in the file's `folder`, or in
+/// `meshdir` there.
 ///
-/// One body at the top is the figure; its joints to the world are left out, since a figure's root is free. Bodies
-/// without a joint become part of their parents. Two hinges that meet in a point at right angles become a
-/// universal joint, three a ball joint. What the figure leaves out stands in the plan's notes.
+/// One body at the top is the figure; its joints to the world are left out, since a figure's root
+/// is free. Bodies without a joint become part of their parents. Two hinges that meet in a point at
+/// right angles become a universal joint, three a ball joint. What the figure leaves out stands in
+/// the plan's notes.
 ///
 /// # Errors
 /// Names the line, body, joint, geom or file, and the cause.

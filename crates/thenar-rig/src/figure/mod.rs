@@ -1,5 +1,5 @@
-//! Figures: flesh on any tree of bones, from skinned meshes (glTF, VRM) and from descriptions of robots (URDF,
-//! MJCF).
+//! Figures: flesh on any tree of bones, from skinned meshes (glTF, VRM) and from descriptions of
+//! robots (URDF, MJCF).
 
 mod around;
 mod bind;

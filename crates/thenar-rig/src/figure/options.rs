@@ -30,13 +30,14 @@ pub struct FigureOptions {
     pub render_triangles: usize,
     /// Changes to joints, one after the other.
     pub joints: Vec<JointChange>,
-    /// Names of the skinned meshes that are the body, where a file is read; none: the one that encloses most.
+    /// Names of the skinned meshes that are the body, where a file is read; none: the one that
+    /// encloses most.
     pub meshes: Vec<String>,
 }
 
 impl Default for FigureOptions {
-    /// Flesh as that of hands, in a thousand tetrahedra; but nothing damps its motion as a whole, so that what floats keeps
-    /// its momentum.
+    /// Flesh as that of hands, in a thousand tetrahedra; but nothing damps its motion as a whole,
+    /// so that what floats keeps its momentum.
     fn default() -> Self {
         Self {
             name: "figure".into(),
@@ -90,8 +91,8 @@ impl FigureOptions {
 pub struct JointChange {
     /// Name of the joint or of its bone; a `*` at the end stands for any ending.
     pub name: String,
-    /// Another kind, with an axis in M for a hinge, or two at right angles for a universal joint (first the
-    /// parent's). A fixed joint and a ball need none.
+    /// Another kind, with an axis in M for a hinge, or two at right angles for a universal joint
+    /// (first the parent's). A fixed joint and a ball need none.
     pub kind: Option<(JointKind, Vec<Vec3>)>,
     /// Smallest and largest value of each angle \[rad\].
     pub ranges: Vec<AngleLimit>,

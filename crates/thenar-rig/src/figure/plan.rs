@@ -6,7 +6,8 @@ use thenar_core::model::{Axis, JointKind};
 use thenar_core::shape::Shape;
 use thenar_core::{Mat3, Pose, Vec3};
 
-/// A tree of bones with typed joints, at rest in the figure's frame M: +y is up, lengths are in metres.
+/// A tree of bones with typed joints, at rest in the figure's frame M: +y is up, lengths are in
+/// metres.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Name in the file; empty where it has none.
@@ -45,8 +46,8 @@ pub struct PlanJoint {
     pub name: String,
     /// Kind: fixed, hinge, universal or ball.
     pub kind: JointKind,
-    /// Joint frame, at rest the same in parent and child: a hinge turns about its x, a universal joint
-    /// about its y and then the child's x.
+    /// Joint frame, at rest the same in parent and child: a hinge turns about its x, a universal
+    /// joint about its y and then the child's x.
     pub pose_MJ: Pose,
     /// Range, spring and damper of each axis; those of a ball stand in the first.
     pub axes: [Axis; 2],
@@ -79,6 +80,7 @@ pub struct PlanSkin {
     pub mesh: TriMesh,
     /// Per vertex: bones and their weights, of sum 1.
     pub influences: Vec<[(u32, f64); 4]>,
-    /// True if it is of several meshes, which may be open where they cross: the body is what they enclose together.
+    /// True if it is of several meshes, which may be open where they cross: the body is what they
+    /// enclose together.
     pub joined: bool,
 }

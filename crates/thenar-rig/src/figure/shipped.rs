@@ -11,8 +11,8 @@ const BODY: &[u8] = include_bytes!("../../assets/figures/body.glb");
 /// Names of the figures that come with the program.
 pub const SHIPPED: [&str; 3] = ["gripper", "forearm", "body"];
 
-/// The plan of a shipped figure; `None` of any other name. "gripper" (URDF, for 5 mm of flesh) and "forearm" (MJCF, for
-/// 4 mm) are bones; "body" is a skinned mesh.
+/// The plan of a shipped figure; `None` of any other name. "gripper" (URDF, for 5 mm of flesh) and
+/// "forearm" (MJCF, for 4 mm) are bones; "body" is a skinned mesh.
 ///
 /// # Errors
 /// None that a caller could cause: the files are a part of the program.

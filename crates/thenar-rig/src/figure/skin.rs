@@ -1,5 +1,5 @@
-//! The surface of a figure's body: its file's skin made whole, what several skins enclose together, or flesh laid around
-//! its bones.
+//! The surface of a figure's body: its file's skin made whole, what several skins enclose together,
+//! or flesh laid around its bones.
 
 use super::around::around;
 use super::plan::Plan;

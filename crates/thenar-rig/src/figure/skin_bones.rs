@@ -1,7 +1,7 @@
 //! Solids of bones that come with a skin and no geometry: as wide as bones are in limbs.
 //!
-//! A long bone is a capsule from its joint to each child's. One whose part of the skin is flat or stout, such as a foot, a
-//! palm, a pelvis or a head, is a box within that part.
+//! A long bone is a capsule from its joint to each child's. One whose part of the skin is flat or
+//! stout, such as a foot, a palm, a pelvis or a head, is a box within that part.
 
 use super::build::begin;
 use super::in_solid::radius;
@@ -16,11 +16,11 @@ use thenar_core::shape::Shape;
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
-/// Half the width of a bone over the distance from its middle to the skin: between that of a phalanx (0.45) and of a
-/// metacarpal (0.36).
+/// Half the width of a bone over the distance from its middle to the skin: between that of a
+/// phalanx (0.45) and of a metacarpal (0.36).
 const BONE_WIDTH: f64 = 0.4;
-/// A part of the skin is long when it is more than twice as long as wide and less than one and a half times as wide as
-/// thick, as thighs, forearms and phalanges are.
+/// A part of the skin is long when it is more than twice as long as wide and less than one and a
+/// half times as wide as thick, as thighs, forearms and phalanges are.
 const LONG: [f64; 2] = [2.0, 1.5];
 /// A box grows to its bounds in so many steps.
 const GROWTH: f64 = 20.0;
@@ -38,7 +38,8 @@ pub fn give_solids(plan: &mut Plan, ends: &[[Vec3; 2]], surface: &Bvh) -> Result
         }
         let boxed = plan.skin.as_ref().and_then(|skin| stout(skin, b as u32));
         let [from, end] = ends[b];
-        // Skin that is thin beside the flesh around the bone says nothing of the bone's width: a loop of vertices.
+        // Skin that is thin beside the flesh around the bone says nothing of the bone's width: a
+        // loop of vertices.
         let boxed =
             boxed.filter(|inside| 2.0 * inside.deep > BONE_WIDTH * depth(surface, &from, &end));
         let boxed = boxed.and_then(|inside| inside.grown(surface));
@@ -81,7 +82,8 @@ fn within(from: &Vec3, to: &Vec3, radius: f64) -> PlanSolid {
     solid::capsule(&(from + inset), &(to - inset), radius)
 }
 
-/// Mean depth under the surface along the middle of the line from `a` to `b` \[m\]; negative outside.
+/// Mean depth under the surface along the middle of the line from `a` to `b` \[m\]; negative
+/// outside.
 fn depth(surface: &Bvh, a: &Vec3, b: &Vec3) -> f64 {
     let places = [0.2, 0.35, 0.5, 0.65, 0.8];
     let sum: f64 = places.iter().map(|t| -surface.signed_distance(&a.lerp(b, *t))).sum();
@@ -99,8 +101,8 @@ struct Inside {
 }
 
 impl Inside {
-    /// The box grown from its middle, face after face, as far as its corners are at least half as deep under the skin as
-    /// they should be: skin is no box. None where its middle is not.
+    /// The box grown from its middle, face after face, as far as its corners are at least half as
+    /// deep under the skin as they should be: skin is no box. None where its middle is not.
     fn grown(&self, surface: &Bvh) -> Option<PlanSolid> {
         let [low, high] = self.bounds;
         let middle = 0.5 * (low + high);
@@ -134,8 +136,8 @@ impl Inside {
     }
 }
 
-/// A box along the main axes of the skin that a bone moves, as far under it all round as a bone is; none where that skin
-/// is long, or too little to tell.
+/// A box along the main axes of the skin that a bone moves, as far under it all round as a bone is;
+/// none where that skin is long, or too little to tell.
 fn stout(skin: &PlanSkin, bone: u32) -> Option<Inside> {
     let own = skin.mesh.positions.iter().zip(&skin.influences).filter(|(_, four)| {
         four.iter().filter(|(b, _)| *b == bone).map(|(_, w)| w).sum::<f64>() > OWN
@@ -197,7 +199,8 @@ mod tests {
         assert!(stout(&skin(Vec3::new(0.08, 0.11, 0.095)), 0).is_some(), "a head");
     }
 
-    /// In a ball a box grows until its corners are deep enough: for half-edges a, √3 a ≤ R - d/2, in steps of a twentieth.
+    /// In a ball a box grows until its corners are deep enough: for half-edges a, √3 a ≤ R - d/2,
+    /// in steps of a twentieth.
     #[test]
     fn a_box_is_as_deep_as_it_should_be() {
         let ball = shapes::sphere(0.1, 12);

@@ -1,4 +1,5 @@
-//! Solids of bones: meshes of shapes, their mass, and capsules along the bones of a plan that has none.
+//! Solids of bones: meshes of shapes, their mass, and capsules along the bones of a plan that has
+//! none.
 
 use crate::mesh::{MassProperties, shapes};
 use crate::{RigError, TriMesh};
@@ -65,8 +66,8 @@ fn scaled(mesh: &MeshShape, by: f64) -> MeshShape {
     MeshShape::new(mesh.points.iter().map(|p| p * by).collect(), mesh.triangles.clone(), grid)
 }
 
-/// Mass, centre and inertia about it of several solids, each of this density, in M. What two have in common counts
-/// twice.
+/// Mass, centre and inertia about it of several solids, each of this density, in M. What two have
+/// in common counts twice.
 ///
 /// # Errors
 /// When they enclose no volume.

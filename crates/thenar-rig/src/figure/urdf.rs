@@ -17,11 +17,13 @@ use std::path::Path;
 use thenar_core::{Pose, Quat, Vec3};
 use tree::Tree;
 
-/// Reads the links and joints of a URDF text as bones. Meshes are looked for beside the file, which lies in `folder`.
+/// Reads the links and joints of a URDF text as bones. Meshes are looked for beside the file, which
+/// lies in `folder`.
 ///
-/// Fixed links become part of their parents. Two hinges at right angles with a link of neither mass nor geometry
-/// between them become a universal joint, three a ball joint. Geometry is that of collisions, or where a link has
-/// none, what is drawn. What the figure leaves out stands in the plan's notes.
+/// Fixed links become part of their parents. Two hinges at right angles with a link of neither mass
+/// nor geometry between them become a universal joint, three a ball joint. Geometry is that of
+/// collisions, or where a link has none, what is drawn. What the figure leaves out stands in the
+/// plan's notes.
 ///
 /// # Errors
 /// Names the line, link, joint or file, and the cause.

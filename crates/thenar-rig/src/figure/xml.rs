@@ -8,7 +8,8 @@ use thenar_input::quoted;
 const BYTES_MAX: usize = 16 << 20;
 /// Elements deeper than this are refused.
 const DEPTH_MAX: usize = 500;
-/// Most attributes of one element, and most namespaces of a file: the parser compares each with all others.
+/// Most attributes of one element, and most namespaces of a file: the parser compares each with all
+/// others.
 const ATTRIBUTES_MAX: usize = 1000;
 
 /// The tree of a text without a document type.

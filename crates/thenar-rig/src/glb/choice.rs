@@ -1,7 +1,8 @@
-//! The choice of the skinned meshes of a file that are the body: those that are named, else the one that encloses most.
+//! The choice of the skinned meshes of a file that are the body: those that are named, else the one
+//! that encloses most.
 //!
-//! Avatars have eyes, hair and clothes as meshes of their own. Hair has more area than a body and long clothes as great
-//! a box, but both are thin.
+//! Avatars have eyes, hair and clothes as meshes of their own. Hair has more area than a body and
+//! long clothes as great a box, but both are thin.
 
 use super::container::Container;
 use super::skeleton;
@@ -22,7 +23,8 @@ pub struct SkinnedPart {
     pub chosen: bool,
     /// Edge lengths of its box in the file's bind shape \[m\].
     pub size: Vec3,
-    /// Volume of its pieces, each closed at its own middle, in the world as the file poses it \[m³\].
+    /// Volume of its pieces, each closed at its own middle, in the world as the file poses it
+    /// \[m³\].
     pub volume: f64,
     /// Cause for which it cannot be read, if it is damaged; size and volume are 0 then.
     pub damage: Option<String>,
@@ -56,8 +58,9 @@ pub(super) fn sources<'a>(nodes: &Nodes<'a>) -> Result<Vec<Source<'a>>, RigError
     }))
 }
 
-/// Lists the skinned meshes, those that are the body marked: those of these names, or the one of greatest volume; of equals
-/// the first. One that is damaged may be the body: it is refused unless another is named.
+/// Lists the skinned meshes, those that are the body marked: those of these names, or the one of
+/// greatest volume; of equals the first. One that is damaged may be the body: it is refused unless
+/// another is named.
 pub(super) fn choose(
     file: &Container,
     nodes: &Nodes<'_>,
@@ -154,8 +157,8 @@ fn whole(file: &Container, source: &gltf::Mesh<'_>) -> Result<Result<TriMesh, Ri
 /// Vertices closer than this part of the mesh's size are one.
 const WELD: f64 = 1e-6;
 
-/// Volume of a mesh's connected pieces, each closed by cones from its border to the middle of its vertices: exact of
-/// closed pieces, nothing of flat ones, whichever side is out.
+/// Volume of a mesh's connected pieces, each closed by cones from its border to the middle of its
+/// vertices: exact of closed pieces, nothing of flat ones, whichever side is out.
 fn volume(mesh: &TriMesh) -> f64 {
     let [low, high] = mesh.bounds();
     let size = (high - low).norm();
@@ -185,7 +188,8 @@ mod tests {
     use super::*;
     use crate::mesh::shapes;
 
-    /// A box without its lid lacks the pyramid from the lid to its middle, a sixth. A sheet has no volume.
+    /// A box without its lid lacks the pyramid from the lid to its middle, a sixth. A sheet has no
+    /// volume.
     #[test]
     fn open_pieces_are_closed_at_their_own_middle() {
         let cube = shapes::cuboid(&Vec3::repeat(0.5));

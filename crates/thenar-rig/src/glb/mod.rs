@@ -42,7 +42,8 @@ pub fn read_glb(bytes: &[u8]) -> Result<TriMesh, RigError> {
     Ok(mesh)
 }
 
-/// The skinned mesh of a file that encloses most, with its joints, in mesh space \[m\]: of an avatar the body, not an eye.
+/// The skinned mesh of a file that encloses most, with its joints, in mesh space \[m\]: of an
+/// avatar the body, not an eye.
 ///
 /// # Errors
 /// When the bytes are not a well-formed GLB 2.0 file, or no mesh is bound to a skin.
@@ -50,11 +51,12 @@ pub fn read_skinned_glb(bytes: &[u8]) -> Result<SkinnedMesh, RigError> {
     read_skinned_glb_of(bytes, &[])
 }
 
-/// The skinned meshes of these names as one, with the joints of their skeleton, in the space of the first \[m\]; without
-/// names, the mesh that encloses most.
+/// The skinned meshes of these names as one, with the joints of their skeleton, in the space of the
+/// first \[m\]; without names, the mesh that encloses most.
 ///
 /// # Errors
-/// As [`read_skinned_glb`]; also when a name is none of the file's, or meshes hang on skeletons without common joints.
+/// As [`read_skinned_glb`]; also when a name is none of the file's, or meshes hang on skeletons
+/// without common joints.
 pub fn read_skinned_glb_of(bytes: &[u8], names: &[String]) -> Result<SkinnedMesh, RigError> {
     skin::read(&Container::new(bytes)?, names)
 }

@@ -25,7 +25,8 @@ pub(super) struct Skeleton {
     of_node: HashMap<usize, u32>,
 }
 
-/// A skin's joints as they are found in a skeleton, and what moves its mesh to where that skeleton rests.
+/// A skin's joints as they are found in a skeleton, and what moves its mesh to where that skeleton
+/// rests.
 pub(super) struct Placed {
     /// Joint of the skeleton, and the move of what the joint carries; none where that is no move.
     joints: Vec<(u32, Option<Matrix4<f64>>)>,
@@ -114,7 +115,8 @@ fn not_placed(name: &str) -> RigError {
     ))
 }
 
-/// The joints of a skin at rest: the inverse of the bind matrices, or else the nodes' own transforms.
+/// The joints of a skin at rest: the inverse of the bind matrices, or else the nodes' own
+/// transforms.
 fn rests(
     file: &Container,
     skin: &gltf::Skin<'_>,
@@ -144,8 +146,8 @@ fn moved(from: &Matrix4<f64>, to: &Matrix4<f64>) -> Option<Matrix4<f64>> {
     from.try_inverse().map(|back| to * back)
 }
 
-/// The factor by which volumes of a skin's mesh grow on the way to the world, as its first joint is posed; 1 where that is not
-/// known.
+/// The factor by which volumes of a skin's mesh grow on the way to the world, as its first joint is
+/// posed; 1 where that is not known.
 pub(super) fn growth(file: &Container, skin: &gltf::Skin<'_>, nodes: &Nodes<'_>) -> f64 {
     let of = |node: usize| nodes.iter().find(|(n, _)| n.index() == node).map(|(_, world)| *world);
     let rests = rests(file, skin, nodes).unwrap_or_default();

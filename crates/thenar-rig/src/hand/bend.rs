@@ -1,7 +1,8 @@
 //! The torques with which flesh resists the turn of one joint of a hand.
 //!
-//! Bones are held where one joint's angle puts them, all others at rest; the flesh finds its equilibrium under the springs to the bones
-//! (Eq. 7 to 9), and what these springs put on the bones beyond each joint is summed about its axes.
+//! Bones are held where one joint's angle puts them, all others at rest; the flesh finds its
+//! equilibrium under the springs to the bones (Eq. 7 to 9), and what these springs put on the bones
+//! beyond each joint is summed about its axes.
 
 use super::passive::beyond;
 use crate::RigError;
@@ -15,17 +16,20 @@ use thenar_core::model::{
 use thenar_core::world::{Input, State};
 use thenar_core::{Pose, Vec3, World};
 
-/// Length of the steps by which flesh comes to rest \[s\]: a hundred periods of a finger's slowest vibration, so that inertia
-/// is a ten-thousandth of what elasticity is.
+/// Length of the steps by which flesh comes to rest \[s\]: a hundred periods of a finger's slowest
+/// vibration, so that inertia is a ten-thousandth of what elasticity is.
 const STEP: f64 = 1.0;
-/// Steps. Each is one of Newton's; most torques in the shipped hands change by less than 1 % after the second.
+/// Steps. Each is one of Newton's; most torques in the shipped hands change by less than 1 % after
+/// the second.
 const STEPS: usize = 3;
-/// Length of the steps to a shape that is looked at itself \[s\]: inertia holds Newton's method on its way. Without it, in steps
-/// of 1 s, a knuckle bent by 86° goes round in circles; in steps of 0.01 to 0.1 s all joints take up to 80, about.
+/// Length of the steps to a shape that is looked at itself \[s\]: inertia holds Newton's method on
+/// its way. Without it, in steps of 1 s, a knuckle bent by 86° goes round in circles; in steps of
+/// 0.01 to 0.1 s all joints take up to 80, about.
 pub(super) const SHAPE_STEP: f64 = 0.03;
 /// Most steps to a shape.
 const SHAPE_STEPS: usize = 300;
-/// A shape is at rest when no node moves by more than this part of the hand's length in a step, 2 µm of a hand of 190 mm.
+/// A shape is at rest when no node moves by more than this part of the hand's length in a step, 2
+/// µm of a hand of 190 mm.
 const SETTLED: f64 = 1e-5;
 /// Comparisons of a point with a triangle that take as long as a step of one tetrahedron, about.
 const TET_STEP: usize = 80;
@@ -52,7 +56,8 @@ impl<'a> Bender<'a> {
         Self::held(hand, hand.coupling, STEP)
     }
 
-    /// A hand by itself, without weight, held by the usual springs of such a coupling, in steps of such a length \[s\].
+    /// A hand by itself, without weight, held by the usual springs of such a coupling, in steps of
+    /// such a length \[s\].
     pub fn held(hand: &'a HandModel, coupling: CouplingKind, step: f64) -> Result<Self, RigError> {
         let tree = Tree::of_hand(hand).map_err(|e| RigError::invalid(e.to_string()))?;
         let poses: Vec<Pose> = hand.bones.iter().map(|bone| bone.pose_MB).collect();
@@ -93,8 +98,9 @@ impl<'a> Bender<'a> {
         hand.axes().collect()
     }
 
-    /// Stiffness of the flesh \[N m/rad\], secant: entry (a, b) is by how much the torque about axis a differs between turns of
-    /// axis b alone to both sides of rest, over the way between them. `turns` \[rad\], one for each axis.
+    /// Stiffness of the flesh \[N m/rad\], secant: entry (a, b) is by how much the torque about
+    /// axis a differs between turns of axis b alone to both sides of rest, over the way between
+    /// them. `turns` \[rad\], one for each axis.
     ///
     /// # Errors
     /// The work would be too much, or is to end.
@@ -113,7 +119,8 @@ impl<'a> Bender<'a> {
         Ok(matrix)
     }
 
-    /// Torque of the flesh about every axis \[N m\] with one of them turned by `turn` \[rad\] from rest.
+    /// Torque of the flesh about every axis \[N m\] with one of them turned by `turn` \[rad\] from
+    /// rest.
     fn torques(&mut self, axis: AxisOf, turn: f64) -> Result<Vec<f64>, RigError> {
         let poses = self.turn(axis, turn)?;
         for _ in 0..STEPS {
@@ -130,8 +137,8 @@ impl<'a> Bender<'a> {
         Ok(torques)
     }
 
-    /// Puts the bones where one axis is turned by `turn` \[rad\] from rest, and the flesh where skinning has it; gives
-    /// the bones' poses.
+    /// Puts the bones where one axis is turned by `turn` \[rad\] from rest, and the flesh where
+    /// skinning has it; gives the bones' poses.
     fn turn(&mut self, (j, k): AxisOf, turn: f64) -> Result<Vec<Pose>, RigError> {
         let hand = self.hand;
         let mut angles = self.angles.clone();
@@ -150,7 +157,8 @@ impl<'a> Bender<'a> {
         if self.world.restore(&state) { Ok(poses) } else { Err(no_rest()) }
     }
 
-    /// Where bones and flesh lie with one axis turned by `turn` \[rad\] from rest, in the model frame \[m\].
+    /// Where bones and flesh lie with one axis turned by `turn` \[rad\] from rest, in the model
+    /// frame \[m\].
     ///
     /// # Errors
     /// The flesh finds no rest.

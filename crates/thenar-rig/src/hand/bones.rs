@@ -14,7 +14,8 @@ use thenar_input::quoted;
 pub(crate) const BONE_DENSITY: f64 = 1900.0;
 /// Mean radius of a phalanx relative to the distance from its axis to the skin (8 mm: 3.8 mm).
 const RADIUS: f64 = 0.45;
-/// Mean radius of a metacarpal, which lies deeper, relative to the distance from its axis to the skin.
+/// Mean radius of a metacarpal, which lies deeper, relative to the distance from its axis to the
+/// skin.
 const METACARPAL_RADIUS: f64 = 0.36;
 /// Thickness of the carpus relative to the length of the hand (13 mm of 190).
 const CARPUS_THICKNESS: f64 = 0.068;

@@ -163,9 +163,9 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     Ok(Made { hand, skin, digits, covered, reading })
 }
 
-/// Makes one surface of several meshes, as a glove over skin, or a hand and its sleeve. Meshes that have the vertices of
-/// their borders in common, and close each other, stay as they are; of others that is what they enclose together, on a
-/// grid whose cell is given in the file's unit.
+/// Makes one surface of several meshes, as a glove over skin, or a hand and its sleeve. Meshes that
+/// have the vertices of their borders in common, and close each other, stay as they are; of others
+/// that is what they enclose together, on a grid whose cell is given in the file's unit.
 fn join(rig: &mut SkinnedMesh) -> Result<Option<JoinedMeshes>, RigError> {
     if rig.parts.iter().filter(|part| part.chosen).count() < 2 {
         return Ok(None);
@@ -177,7 +177,8 @@ fn join(rig: &mut SkinnedMesh) -> Result<Option<JoinedMeshes>, RigError> {
     }
     let United { mesh, left_out, cell } = united(&rig.mesh)?;
     rig.mesh = mesh;
-    // They were those of the vertices that are gone; a hand's flesh is bound by the places of its bones.
+    // They were those of the vertices that are gone; a hand's flesh is bound by the places of its
+    // bones.
     rig.influences.clear();
     Ok(Some(JoinedMeshes { cell, left_out }))
 }

@@ -1,4 +1,5 @@
-//! A cuff: a band of cloth around the wrist, where the flesh of a hand ends. It is seen and never touched.
+//! A cuff: a band of cloth around the wrist, where the flesh of a hand ends. It is seen and never
+//! touched.
 
 use crate::TriMesh;
 use std::f64::consts::TAU;
@@ -13,8 +14,8 @@ const LONG: f64 = 26.0 / 190.0;
 const OFF: f64 = 1.5 / 190.0;
 /// Rounds in which its outline is smoothed: over some 20° to either side.
 const SMOOTHINGS: usize = 6;
-/// Profile from inside over its hem at the hand, along the way back in parts of its length, and outwards from the band in parts of
-/// `OFF`: two folds, the band, and a rounded end.
+/// Profile from inside over its hem at the hand, along the way back in parts of its length, and
+/// outwards from the band in parts of `OFF`: two folds, the band, and a rounded end.
 const PROFILE: [[f64; 2]; 13] = [
     [0.80, -1.8],
     [0.10, -1.8],
@@ -30,11 +31,12 @@ const PROFILE: [[f64; 2]; 13] = [
     [1.00, -1.6],
     [1.00, -4.0],
 ];
-/// Farther behind the wrist than this, of the length of a hand, flesh is a forearm: that ends by itself.
+/// Farther behind the wrist than this, of the length of a hand, flesh is a forearm: that ends by
+/// itself.
 const FOREARM: f64 = 0.35;
 
-/// The cuff of a hand at rest, in the frame of its palm's bone \[m\]; `None` for hands with a forearm,
-/// and for figures.
+/// The cuff of a hand at rest, in the frame of its palm's bone \[m\]; `None` for hands with a
+/// forearm, and for figures.
 pub fn cuff(hand: &HandModel) -> Option<TriMesh> {
     let palm = hand.bones.first()?;
     hand.bones.iter().find(|bone| bone.digit != Digit::Palm)?;
@@ -120,7 +122,8 @@ mod tests {
     use crate::hand::uniform_hand;
     use thenar_core::model::Side;
 
-    /// The shipped hands wear one, faces outwards, the left the mirror of the right, as wide as a wrist and as long as it says.
+    /// The shipped hands wear one, faces outwards, the left the mirror of the right, as wide as a
+    /// wrist and as long as it says.
     #[test]
     fn shipped_hands_wear_a_cuff() {
         let mut sizes = Vec::new();

@@ -1,5 +1,5 @@
-//! How fine a hand's flesh is, and where: pads finest, fingers and knuckles twice as coarse, palm and back of
-//! the hand four times.
+//! How fine a hand's flesh is, and where: pads finest, fingers and knuckles twice as coarse, palm
+//! and back of the hand four times.
 
 use super::digits::DigitRig;
 use super::regions;
@@ -11,11 +11,11 @@ use thenar_core::Vec3;
 const COARSE: f64 = 1.0 / 12.0;
 /// From the palm's cubes to the pads'.
 const HALVINGS: usize = 2;
-/// Around the first joint of a finger the palm is as fine as the finger, within this part of the hand's length:
-/// a knuckle is about 20 mm wide on a hand of 190 mm.
+/// Around the first joint of a finger the palm is as fine as the finger, within this part of the
+/// hand's length: a knuckle is about 20 mm wide on a hand of 190 mm.
 const KNUCKLE: f64 = 10.0 / 190.0;
-/// Least and largest detail. At the largest the shipped hand has 32 thousand elements, and inside points are as close as memory
-/// lets them be: finer elements would not be resolved.
+/// Least and largest detail. At the largest the shipped hand has 32 thousand elements, and inside
+/// points are as close as memory lets them be: finer elements would not be resolved.
 pub const DETAILS: [f64; 2] = [0.25, 1.5];
 /// Tetrahedra of a hand of detail 1: 12 thousand in the shipped ones.
 const TETS: f64 = 1.2e4;
@@ -56,11 +56,12 @@ fn is_palmar(p: &Vec3, rig: &DigitRig) -> bool {
     (p - rig.bone(2)[0]).dot(&palmar) > 0.0
 }
 
-/// Mean edge of a body-centred cubic tetrahedron, over that of its cube: two edges of 1, four of √3/2.
+/// Mean edge of a body-centred cubic tetrahedron, over that of its cube: two edges of 1, four of
+/// √3/2.
 const MEAN_EDGE: f64 = 0.911;
 
-/// Triangles in which a surface of this area has edges no longer than 0.7 of those of the finest elements, so that
-/// there is something left to simplify.
+/// Triangles in which a surface of this area has edges no longer than 0.7 of those of the finest
+/// elements, so that there is something left to simplify.
 pub(super) fn triangles(area: f64, grading: &Grading) -> usize {
     let edge = 0.7 * MEAN_EDGE * grading.coarse / f64::from(1 << grading.halvings);
     // An equilateral triangle of edge e has √3/4 e².

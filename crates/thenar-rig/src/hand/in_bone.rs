@@ -1,21 +1,24 @@
 //! The nodes of the flesh that stand for bone, and how much of it each has.
 //!
-//! Springs spread through a bone, of so much stiffness per volume, make the matrix `κ ∫ Nᵢ Nⱼ dV` of the nodes' shape functions.
-//! What stands for it here is its diagonal, scaled so that the whole stays `κ V`: every inside point of the lattice that lies in
-//! a bone's solid gives to the four nodes of its tetrahedron by the squares of its barycentric weights (for masses:
-//! Hinton, Rock and Zienkiewicz 1976). Given by the weights themselves, a far corner of an element that a bone only touches
-//! would be held nearly as one in its middle: an index pad in cubes of 6.7 mm sank by 1.25 mm at 1 N, by squares it sinks by
-//! 1.45 mm, and in cubes of 2.7 mm by 1.63 mm. A node follows the bone whose
-//! volume it has, or two adjacent bones by their shares. There is no threshold: what has no bone is free. The whole falls short of the
-//! solid's volume by what is left free below, and by what a node that has a share of more than two bones loses of the
-//! others, which the report tells (`bound` beside `volume`).
+//! Springs spread through a bone, of so much stiffness per volume, make the matrix `κ ∫ Nᵢ Nⱼ dV`
+//! of the nodes' shape functions. What stands for it here is its diagonal, scaled so that the whole
+//! stays `κ V`: every inside point of the lattice that lies in a bone's solid gives to the four
+//! nodes of its tetrahedron by the squares of its barycentric weights (for masses: Hinton, Rock and
+//! Zienkiewicz 1976). Given by the weights themselves, a far corner of an element that a bone only
+//! touches would be held nearly as one in its middle: an index pad in cubes of 6.7 mm sank by 1.25
+//! mm at 1 N, by squares it sinks by 1.45 mm, and in cubes of 2.7 mm by 1.63 mm. A node follows the
+//! bone whose volume it has, or two adjacent bones by their shares. There is no threshold: what has
+//! no bone is free. The whole falls short of the solid's volume by what is left free below, and by
+//! what a node that has a share of more than two bones loses of the others, which the report tells
+//! (`bound` beside `volume`).
 //!
-//! A node with shares of bones of two digits is left free. Held by one of them it would stand a fraction of an element from nodes
-//! that the other holds, and a finger could not be bent beside a straight one: its knuckle is 0.02 to 0.05 N m/rad
-//! stiffer with such nodes. (A bone of which a coarse mesh would hold less than half keeps them.)
-//! A node that follows one bone alone is left free where the utmost bend of a joint at either end carries it to the
-//! other side of the plane that halves the bend. Nodes reach as far past a solid as the mesh is coarse, and in the bend of a fist
-//! those of two bones would pass each other there, with the flesh between them inside out.
+//! A node with shares of bones of two digits is left free. Held by one of them it would stand a
+//! fraction of an element from nodes that the other holds, and a finger could not be bent beside a
+//! straight one: its knuckle is 0.02 to 0.05 N m/rad stiffer with such nodes. (A bone of which a
+//! coarse mesh would hold less than half keeps them.) A node that follows one bone alone is left
+//! free where the utmost bend of a joint at either end carries it to the other side of the plane
+//! that halves the bend. Nodes reach as far past a solid as the mesh is coarse, and in the bend of
+//! a fist those of two bones would pass each other there, with the flesh between them inside out.
 
 use crate::lattice::{Lattice, tet};
 use crate::weights::pair;
@@ -47,7 +50,8 @@ pub(super) fn bone_nodes(
         bends.iter().any(|bend| bend.carries_across(&held.binding, x, bones))
     };
     let ties = |held: &BoneNode| ties_digits(&shares[held.node as usize], bones);
-    // Volume by which each bone is held without the nodes that tie digits: of a coarse mesh that may be too little.
+    // Volume by which each bone is held without the nodes that tie digits: of a coarse mesh that
+    // may be too little.
     let mut without = vec![0.0; bones.len()];
     for held in held.iter().filter(|held| !ties(held) && !carried(held)) {
         for (bone, weight) in held.binding.bones.iter().zip(held.binding.weights) {
@@ -123,9 +127,9 @@ impl<'a> Bend<'a> {
         Some(Self { joint, pose_JK: Pose::new(Vec3::zeros(), turn), along_J, halving_J })
     }
 
-    /// True if a place \[m\] of the rest pose that follows one of the joint's two bones alone is on that bone's side when
-    /// the joint is straight and on the other's when it is bent. Only what lies within half the child's length of
-    /// the joint meets it there.
+    /// True if a place \[m\] of the rest pose that follows one of the joint's two bones alone is on
+    /// that bone's side when the joint is straight and on the other's when it is bent. Only what
+    /// lies within half the child's length of the joint meets it there.
     fn carries_across(&self, binding: &Binding, x_M: &Vec3, bones: &[Bone]) -> bool {
         let [bone, other] = binding.bones;
         if bone != other {
@@ -149,7 +153,8 @@ impl<'a> Bend<'a> {
     }
 }
 
-/// Inside points in the solid of each bone; where it lies between all of them, the one nearest to its middle.
+/// Inside points in the solid of each bone; where it lies between all of them, the one nearest to
+/// its middle.
 fn points_in_solids(lattice: &Lattice, bones: &[Bone], solids: &[BoneSolid]) -> Vec<Vec<usize>> {
     let poses: Vec<Pose> =
         bones.iter().zip(solids).map(|(bone, solid)| bone.pose_MB * solid.pose_BS).collect();
@@ -175,8 +180,9 @@ fn points_in_solids(lattice: &Lattice, bones: &[Bone], solids: &[BoneSolid]) -> 
     points
 }
 
-/// Barycentric weights of inside point `i`. Where its own tetrahedron was left out as nearly empty, it may lie
-/// outside the one that took it over: the place in that one that has no negative weights.
+/// Barycentric weights of inside point `i`. Where its own tetrahedron was left out as nearly empty,
+/// it may lie outside the one that took it over: the place in that one that has no negative
+/// weights.
 fn weights(lattice: &Lattice, i: usize) -> [f64; 4] {
     let corners = lattice.corners(lattice.sample_tet(i) as usize);
     let inside = tet::barycentric(&corners, &lattice.sample_position(i)).map(|w| w.max(0.0));

@@ -95,8 +95,8 @@ pub(super) fn of_samples(
     if layers.is_empty() {
         return Ok(vec![None; count]);
     }
-    // Deeper than all layers, the depth need not be known. Points lie up to half their distance off the
-    // deepest place.
+    // Deeper than all layers, the depth need not be known. Points lie up to half their distance off
+    // the deepest place.
     let bounds = layers.iter().flat_map(|layer| layer.depth);
     let deepest = bounds.filter(|depth| depth.is_finite()).fold(0.0, f64::max);
     let reach = deepest + lattice.sample_spacing();

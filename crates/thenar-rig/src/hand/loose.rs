@@ -1,8 +1,9 @@
-//! Where the flesh of a hand is loose: over its joints, around the roots of its digits, and in the webs between them.
+//! Where the flesh of a hand is loose: over its joints, around the roots of its digits, and in the
+//! webs between them.
 //!
-//! Skin folds and slides over a joint, and between the roots of two fingers lies a fold of skin with loose fat in it: a finger
-//! is bent beside a straight one with a few newton centimetres. Elements as large as a knuckle can neither fold nor slide;
-//! they are softer there instead.
+//! Skin folds and slides over a joint, and between the roots of two fingers lies a fold of skin
+//! with loose fat in it: a finger is bent beside a straight one with a few newton centimetres.
+//! Elements as large as a knuckle can neither fold nor slide; they are softer there instead.
 
 use super::digits::DigitRig;
 use super::{regions, weights};
@@ -10,11 +11,13 @@ use crate::lattice::Lattice;
 use thenar_core::Vec3;
 use thenar_core::model::Digit;
 
-/// A place lies in a web as much as its distance from the nearest digit's bones comes near that from the next digit's. All
-/// flesh outside bone does: on a hand of 190 mm bones are 5 to 6 mm thick, in radius, and lie 20 mm apart.
+/// A place lies in a web as much as its distance from the nearest digit's bones comes near that
+/// from the next digit's. All flesh outside bone does: on a hand of 190 mm bones are 5 to 6 mm
+/// thick, in radius, and lie 20 mm apart.
 const WEB: [f64; 2] = [0.25, 0.45];
-/// A place lies over the first joint of a digit as much as its distances from the bones on both sides come near one another: places r
-/// off the axis wholly up to 0.75 r along it and not beyond 1.7 r. That is how far creases reach.
+/// A place lies over the first joint of a digit as much as its distances from the bones on both
+/// sides come near one another: places r off the axis wholly up to 0.75 r along it and not beyond
+/// 1.7 r. That is how far creases reach.
 const ROOT: [f64; 2] = [0.5, 0.8];
 
 /// Young's modulus where flesh is loose, relative to that elsewhere, in (0, 1].

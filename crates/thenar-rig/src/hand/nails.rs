@@ -1,9 +1,10 @@
 //! The nodes of the flesh that stand for nails and their beds.
 //!
-//! A nail plate is three orders of magnitude stiffer than flesh, and its bed, a millimetre or two of dense fibres
-//! without fat, ties it to the bone under it. So nails move with the last bones: the inside points between a nail and
-//! its bone give their volume to the nodes of their tetrahedra, which springs hold as those in bone. The
-//! plate itself, which bends between its edges, is skin with a modulus of its own.
+//! A nail plate is three orders of magnitude stiffer than flesh, and its bed, a millimetre or two
+//! of dense fibres without fat, ties it to the bone under it. So nails move with the last bones:
+//! the inside points between a nail and its bone give their volume to the nodes of their
+//! tetrahedra, which springs hold as those in bone. The plate itself, which bends between its
+//! edges, is skin with a modulus of its own.
 
 use super::sides::Sides;
 use crate::lattice::{Lattice, tet};
@@ -11,8 +12,8 @@ use crate::mesh::Bvh;
 use std::collections::BTreeMap;
 use thenar_core::model::{Binding, Bone, BoneNode, Digit, HandRegion};
 
-/// Depth of a nail and its bed under the skin, relative to the hand's length: what the last bones leave on the back
-/// (`solids`), 2.5 mm of 190.
+/// Depth of a nail and its bed under the skin, relative to the hand's length: what the last bones
+/// leave on the back (`solids`), 2.5 mm of 190.
 const BED: f64 = 2.5 / 190.0;
 
 /// Nodes that stand for nails and their beds, ascending.
@@ -25,7 +26,8 @@ pub(super) fn nail_nodes(
 ) -> Vec<BoneNode> {
     let volume = lattice.filled.iter().sum::<f64>() / lattice.sample_count() as f64;
     let mut shares: BTreeMap<u32, (u32, f64)> = BTreeMap::new();
-    // Elements are coarse beside a nail: of their nodes those on the back stand for it, those in the pad stay free.
+    // Elements are coarse beside a nail: of their nodes those on the back stand for it, those in
+    // the pad stay free.
     let on_back: Vec<bool> = (lattice.nodes.iter())
         .map(|x| matches!(sides.of(x).0, HandRegion::Nail | HandRegion::Back))
         .collect();

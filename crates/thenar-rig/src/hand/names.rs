@@ -56,7 +56,8 @@ pub(super) fn joint_name(digit: Digit, k: usize) -> String {
     format!("{}-{}", digit.name(), joints[k])
 }
 
-/// Names of the joints of all hands that are built here, whatever their rig: thumb first, each digit from the palm on.
+/// Names of the joints of all hands that are built here, whatever their rig: thumb first, each
+/// digit from the palm on.
 pub fn joint_names() -> Vec<String> {
     let of = |digit| (0..3).map(move |k| joint_name(digit, k));
     Digit::FINGERS.into_iter().flat_map(of).collect()

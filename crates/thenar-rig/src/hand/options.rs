@@ -21,7 +21,8 @@ pub enum Size {
 pub enum Springs {
     /// From a table, beside what the bent flesh gives, whatever that is.
     Fixed,
-    /// What the bent flesh leaves of the stiffness that is measured at the joints of the living; dampers by a damping ratio.
+    /// What the bent flesh leaves of the stiffness that is measured at the joints of the living;
+    /// dampers by a damping ratio.
     Rest,
 }
 
@@ -36,9 +37,10 @@ pub struct HandOptions {
     pub size: Size,
     /// Wanted number of tetrahedra, all of one size, where there is no `detail`.
     pub tets: usize,
-    /// How fine a graded mesh is, from 0.25 to 1.5: at 1, on a hand of 190 mm, cubes of 4 mm at the pads of the
-    /// fingers, 8 mm along the fingers and at the knuckles, 16 mm in palm and back; all are proportional to
-    /// the hand's length and to 1/detail. The surface that touches is at least as fine.
+    /// How fine a graded mesh is, from 0.25 to 1.5: at 1, on a hand of 190 mm, cubes of 4 mm at the
+    /// pads of the fingers, 8 mm along the fingers and at the knuckles, 16 mm in palm and back; all
+    /// are proportional to the hand's length and to 1/detail. The surface that touches is at least
+    /// as fine.
     pub detail: Option<f64>,
     /// Flesh of a fully filled element. Its density is that of the whole hand, bones included;
     /// the flesh gets what the bones leave.
@@ -46,7 +48,8 @@ pub struct HandOptions {
     /// Young's modulus in the middle of a joint, relative to that elsewhere, in (0, 1]. Skin folds
     /// and slides over a joint; flesh of one modulus throughout would stiffen it several times.
     pub joint_softness: f64,
-    /// Young's modulus, relative likewise, around the roots of the digits and in the webs between them, where fat is loose, in (0, 1].
+    /// Young's modulus, relative likewise, around the roots of the digits and in the webs between
+    /// them, where fat is loose, in (0, 1].
     pub root_softness: f64,
     /// Where the springs of joints come from.
     pub springs: Springs,
@@ -70,23 +73,25 @@ pub struct HandOptions {
     pub meshes: Vec<String>,
 }
 
-/// How fine the hand for touch is. An index pad pressed on a plate at 30° sinks by 1.4 mm at 1 N with cubes of 6.7 mm there.
+/// How fine the hand for touch is. An index pad pressed on a plate at 30° sinks by 1.4 mm at 1 N
+/// with cubes of 6.7 mm there.
 const TOUCH_DETAIL: f64 = 0.6;
 
-/// Flesh around the roots of the digits of a hand for touch: 5 kPa beside 50. Fat under the skin has about 2 (0.53 kPa in shear, Sims
-/// et al. 2010, of pigs); skin and tendons in it are stiffer.
+/// Flesh around the roots of the digits of a hand for touch: 5 kPa beside 50. Fat under the skin
+/// has about 2 (0.53 kPa in shear, Sims et al. 2010, of pigs); skin and tendons in it are stiffer.
 const TOUCH_ROOT: f64 = 0.1;
 
 impl Default for HandOptions {
-    /// For touch. Where `tets` is to count, start from [`HandOptions::paper`], whose mesh has no `detail`.
+    /// For touch. Where `tets` is to count, start from [`HandOptions::paper`], whose mesh has no
+    /// `detail`.
     fn default() -> Self {
         Self::touch()
     }
 }
 
 impl HandOptions {
-    /// A hand for touch: pads finer than the palm, flesh that hangs on bone and is loose at the roots of the digits, and joints as
-    /// stiff as those of the living; otherwise as the paper's.
+    /// A hand for touch: pads finer than the palm, flesh that hangs on bone and is loose at the
+    /// roots of the digits, and joints as stiff as those of the living; otherwise as the paper's.
     pub fn touch() -> Self {
         Self {
             detail: Some(TOUCH_DETAIL),

@@ -1,8 +1,10 @@
-//! How much the joints of a hand resist being turned, bent flesh included, and the springs that make up what flesh leaves.
+//! How much the joints of a hand resist being turned, bent flesh included, and the springs that
+//! make up what flesh leaves.
 //!
-//! The stiffness of a joint's axis is what a torque about it alone meets while all other joints give way, as they do when a
-//! person's knuckle is measured. With the flesh's matrix F (`bend`) and the springs s it is `1 / (F + diag s)⁻¹ᵢᵢ`; what of it is
-//! not the spring is called the flesh's part. Springs are raised or lowered, none below zero, until all are as wanted.
+//! The stiffness of a joint's axis is what a torque about it alone meets while all other joints
+//! give way, as they do when a person's knuckle is measured. With the flesh's matrix F (`bend`) and
+//! the springs s it is `1 / (F + diag s)⁻¹ᵢᵢ`; what of it is not the spring is called the flesh's
+//! part. Springs are raised or lowered, none below zero, until all are as wanted.
 //!
 //! | joint | wanted, of a hand of 190 mm | source |
 //! |---|---|---|
@@ -22,14 +24,17 @@ use thenar_core::model::{Bone, Digit, HandModel, JointDesc, JointKind};
 
 /// Length for which figures are given \[m\].
 const LENGTH: f64 = 0.19;
-/// How far joints are turned for measuring, to both sides: flexion as far as 10 N mm turn a knuckle, and sideways a third \[rad\].
+/// How far joints are turned for measuring, to both sides: flexion as far as 10 N mm turn a
+/// knuckle, and sideways a third \[rad\].
 const TURNS: [f64; 2] = [0.26, 0.09];
-/// Damping ratio of a joint with all beyond it: by itself it would go past its rest by 5 % of the way. Relaxed fingers hardly swing
-/// (recalled); those of the hand for touch, whose flesh is damped too, do not.
+/// Damping ratio of a joint with all beyond it: by itself it would go past its rest by 5 % of the
+/// way. Relaxed fingers hardly swing (recalled); those of the hand for touch, whose flesh is damped
+/// too, do not.
 const DAMPING_RATIO: f64 = 0.7;
 /// Rounds in which springs find their values; each leaves less than half of what is amiss.
 const ROUNDS: usize = 60;
-/// Springs are given to this part of themselves, so that they do not depend on a processor's last bits.
+/// Springs are given to this part of themselves, so that they do not depend on a processor's last
+/// bits.
 const DIGITS: i32 = 3;
 
 /// How one axis of a joint resists being turned. Stiffness in N m/rad.
@@ -64,7 +69,8 @@ impl JointStiffness {
     }
 }
 
-/// Wanted stiffness, and the band of people's where it was measured \[N m/rad\], for a hand of 190 mm.
+/// Wanted stiffness, and the band of people's where it was measured \[N m/rad\], for a hand of 190
+/// mm.
 fn wanted(digit: Digit, place: usize, flexion: bool) -> (f64, Option<[f64; 2]>) {
     match (digit, place, flexion) {
         (Digit::Thumb, 0, _) => (0.06, None),
@@ -86,8 +92,8 @@ pub fn joint_stiffness(hand: &HandModel) -> Result<Vec<JointStiffness>, RigError
     Ok(measured.rows(hand))
 }
 
-/// Gives the joints of a hand the springs that make up what its flesh leaves of what is wanted, and dampers; keeps what the
-/// flesh resists.
+/// Gives the joints of a hand the springs that make up what its flesh leaves of what is wanted, and
+/// dampers; keeps what the flesh resists.
 ///
 /// # Errors
 /// As [`joint_stiffness`].
@@ -202,7 +208,8 @@ fn place(hand: &HandModel, j: usize) -> usize {
     hand.joints[..j].iter().filter(|joint| digit(joint) == own).count()
 }
 
-/// Moment of inertia \[kg m²\] about an axis, in the rest pose, of the bones beyond its joint and of the flesh that follows them.
+/// Moment of inertia \[kg m²\] about an axis, in the rest pose, of the bones beyond its joint and
+/// of the flesh that follows them.
 fn inertia_beyond(hand: &HandModel, (j, k): AxisOf) -> f64 {
     let joint = &hand.joints[j];
     let child = &hand.bones[joint.child as usize];

@@ -15,7 +15,8 @@ use thenar_core::model::{Binding, Digit, HandModel};
 const ROUNDS: usize = 24;
 /// How far the hand is closed when elements are looked at.
 const CLOSINGS: [f64; 3] = [0.5, 0.75, 1.0];
-/// Comparisons of a point with a triangle that take as long as to skin and measure a tetrahedron, about.
+/// Comparisons of a point with a triangle that take as long as to skin and measure a tetrahedron,
+/// about.
 const TET: usize = 4;
 /// Part of the way to the neighbours' mean in one round.
 const STEP: f64 = 0.5;

@@ -16,7 +16,8 @@ use thenar_core::model::{Digit, HandModel};
 pub struct RigReading {
     /// Factor on the file's coordinates.
     pub scale: f64,
-    /// The unit that the file's coordinates were taken for, where that was to be guessed and is not metres.
+    /// The unit that the file's coordinates were taken for, where that was to be guessed and is not
+    /// metres.
     pub unit: Option<&'static str>,
     /// True if the joints have WebXR's axes; else axes come from their places.
     pub own_axes: bool,
@@ -28,7 +29,8 @@ pub struct RigReading {
     pub holes: Vec<Hole>,
     /// The skinned meshes of the file, with those that are the hand marked.
     pub meshes: Vec<SkinnedPart>,
-    /// Way in which several meshes became one surface; `None` where there is one, or they fit together.
+    /// Way in which several meshes became one surface; `None` where there is one, or they fit
+    /// together.
     pub joined: Option<JoinedMeshes>,
 }
 
@@ -79,8 +81,8 @@ pub struct HandReport {
     pub bone_lengths: Vec<BoneLength>,
     /// Solids of the bones and the flesh over them.
     pub bone_covers: Vec<BoneCover>,
-    /// How joints resist being turned, axis by axis, where their springs are what flesh leaves. Of other hands
-    /// [`joint_stiffness`](super::joint_stiffness) tells.
+    /// How joints resist being turned, axis by axis, where their springs are what flesh leaves. Of
+    /// other hands [`joint_stiffness`](super::joint_stiffness) tells.
     pub joints: Vec<JointStiffness>,
 }
 
@@ -101,8 +103,8 @@ pub struct BoneCover {
     pub nodes: usize,
     /// Volume of the solid \[m³\].
     pub volume: f64,
-    /// Volume of bone that its nodes stand for; less than that of the solid by what lies at nodes that follow
-    /// other bones \[m³\].
+    /// Volume of bone that its nodes stand for; less than that of the solid by what lies at nodes
+    /// that follow other bones \[m³\].
     pub bound: f64,
 }
 

@@ -1,5 +1,6 @@
-//! Offsets of skinning targets that a hand's own flesh gives: where it comes to rest around bent bones that hold it at the bone
-//! alone, and how far skinning puts it from there (pose-space deformation of Lewis et al. 2000, with physics for the sculptor).
+//! Offsets of skinning targets that a hand's own flesh gives: where it comes to rest around bent
+//! bones that hold it at the bone alone, and how far skinning puts it from there (pose-space
+//! deformation of Lewis et al. 2000, with physics for the sculptor).
 
 use super::bend::{AxisOf, Bender, SHAPE_STEP, moves};
 use crate::RigError;
@@ -8,14 +9,14 @@ use thenar_core::math::Mat3;
 use thenar_core::model::{Binding, CouplingKind, HandModel, PoseOffsets, Skinning};
 use thenar_core::{Pose, Quat, Vec3};
 
-/// Widest way between two poses of an axis \[rad\], 30°. Where poses lay 45° apart, half of what targets lacked was left between
-/// the first two of a last finger joint.
+/// Widest way between two poses of an axis \[rad\], 30°. Where poses lay 45° apart, half of what
+/// targets lacked was left between the first two of a last finger joint.
 const APART: f64 = std::f64::consts::FRAC_PI_6;
 /// A turn that is not worth a pose \[rad\]: a sixth of that.
 const SMALL: f64 = APART / 6.0;
 
-/// Offsets of the targets of a hand's flesh by the poses of all its joints, with indices of the hand's own joints and `soft` 0.
-/// Each axis is bent alone, to both ends of its range.
+/// Offsets of the targets of a hand's flesh by the poses of all its joints, with indices of the
+/// hand's own joints and `soft` 0. Each axis is bent alone, to both ends of its range.
 ///
 /// # Errors
 /// The hand has no bone in its flesh, the work would be too much, or the flesh finds no rest.

@@ -6,8 +6,9 @@ use crate::mesh::Bvh;
 use thenar_core::Vec3;
 use thenar_core::model::HandRegion;
 
-/// Width of a nail over that of its digit, and of a nail as long as it is wide: those of eleven thumbs 24 mm wide
-/// measured 170 mm², 13 mm each way (pilot study, Int. J. Exerc. Sci. Conf. Proc. 8(5), 15; abstract).
+/// Width of a nail over that of its digit, and of a nail as long as it is wide: those of eleven
+/// thumbs 24 mm wide measured 170 mm², 13 mm each way (pilot study, Int. J. Exerc. Sci. Conf. Proc.
+/// 8(5), 15; abstract).
 const NAIL_WIDTH: f64 = 0.54;
 
 /// The regions of a hand at rest.
@@ -58,8 +59,9 @@ impl<'a> Sides<'a> {
         (region, (bone == 2).then_some(digit))
     }
 
-    /// True if a place on the back of a last bone, so far off the line between its ends, lies within the nail's outline,
-    /// which ends at the digit's tip, where the skin begins to face forwards.
+    /// True if a place on the back of a last bone, so far off the line between its ends, lies
+    /// within the nail's outline, which ends at the digit's tip, where the skin begins to face
+    /// forwards.
     fn is_under_nail(&self, p: &Vec3, off: &Vec3, digit: usize) -> bool {
         let (rig, half) = (&self.digits[digit], self.nails[digit]);
         let along = rig.direction(2);

@@ -1,11 +1,12 @@
 //! The solids of bones: what of a bone touches other bodies when flesh is crushed.
 //!
-//! The solid of a moving bone is the capsule whose mass and inertia it has; that of the palm is a box
-//! around its metacarpals. Neither is thicker than the flesh over it anywhere: a capsule's radius is at
-//! most half the least distance from its axis to the skin, and the box is made smaller until the skin
-//! is nowhere nearer than half its thickness. The last bone of a digit is flat and lies under its nail, with the pad on
-//! its other side: two capsules side by side have the section of its one, and where a rig has it in the middle of
-//! the fingertip, they are moved towards the back; its mass stays where the rig has it.
+//! The solid of a moving bone is the capsule whose mass and inertia it has; that of the palm is a
+//! box around its metacarpals. Neither is thicker than the flesh over it anywhere: a capsule's
+//! radius is at most half the least distance from its axis to the skin, and the box is made smaller
+//! until the skin is nowhere nearer than half its thickness. The last bone of a digit is flat and
+//! lies under its nail, with the pad on its other side: two capsules side by side have the section
+//! of its one, and where a rig has it in the middle of the fingertip, they are moved towards the
+//! back; its mass stays where the rig has it.
 
 use super::digits::DigitRig;
 use crate::RigError;
@@ -19,18 +20,19 @@ use thenar_core::shape::{PlacedShape, Shape};
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
-/// Places along a capsule's axis, and along each edge of a box, where the flesh is measured: at most
-/// 3 mm apart on a hand of 190 mm.
+/// Places along a capsule's axis, and along each edge of a box, where the flesh is measured: at
+/// most 3 mm apart on a hand of 190 mm.
 const SAMPLES: usize = 16;
 /// The box shrinks by this in each attempt.
 const SHRINK: f64 = 0.97;
 
-/// Nail and nail bed over the last bone of a digit, of the length of a hand: 2.5 mm of 190. Nail plates are 0.40 to
-/// 0.48 mm thick in the mean (Wollina et al. 2001); for the bed 2 mm are assumed.
+/// Nail and nail bed over the last bone of a digit, of the length of a hand: 2.5 mm of 190. Nail
+/// plates are 0.40 to 0.48 mm thick in the mean (Wollina et al. 2001); for the bed 2 mm are
+/// assumed.
 const NAIL_SIDE: f64 = 2.5 / 190.0;
 
-/// Width of the last bone of a digit over its thickness, shaft and tuft together. Recalled of people's: the shaft is
-/// 5 to 6 mm wide and 4 mm thick, the tuft 7 to 9 mm wide and 3.5 mm thick.
+/// Width of the last bone of a digit over its thickness, shaft and tuft together. Recalled of
+/// people's: the shaft is 5 to 6 mm wide and 4 mm thick, the tuft 7 to 9 mm wide and 3.5 mm thick.
 const LAST_WIDTH: f64 = 1.7;
 
 /// A solid and the flesh over it.
@@ -40,12 +42,13 @@ pub(super) struct Covered {
     pub thickness: f64,
     /// Least distance from its surface to the skin \[m\].
     pub flesh: f64,
-    /// Mean thickness of the flesh between its surface and the skin of the back and of the palm's side,
-    /// along the y axis of the bone's frame \[m\].
+    /// Mean thickness of the flesh between its surface and the skin of the back and of the palm's
+    /// side, along the y axis of the bone's frame \[m\].
     pub sides: [f64; 2],
 }
 
-/// The solids of all bones, in their order: the palm, then three per digit. `length` is that of the hand \[m\].
+/// The solids of all bones, in their order: the palm, then three per digit. `length` is that of the
+/// hand \[m\].
 ///
 /// # Errors
 /// The surface is such a thicket that to measure in it would take too long.
@@ -69,8 +72,8 @@ pub(super) fn solids(
 
 /// Places on the surface of a box.
 const BOX_PLACES: usize = 6 * SAMPLES * SAMPLES;
-/// How often a box is made smaller at most: a hundred attempts leave a twentieth, which lies within any palm
-/// that has flesh at all.
+/// How often a box is made smaller at most: a hundred attempts leave a twentieth, which lies within
+/// any palm that has flesh at all.
 const ATTEMPTS: usize = 100;
 
 /// Where flesh is measured, and what that may cost.
@@ -81,8 +84,8 @@ struct Skin<'a> {
 }
 
 impl<'a> Skin<'a> {
-    /// Asks for as much as a box that fits at once and all capsules take; what more is needed is asked for as it
-    /// comes.
+    /// Asks for as much as a box that fits at once and all capsules take; what more is needed is
+    /// asked for as it comes.
     fn new(bones: &[Bone], surface: &'a Bvh) -> Result<Self, RigError> {
         let ends = || bones.iter().flat_map(|bone| bone.ends_B.map(|end| bone.pose_MB.point(&end)));
         let places = 2 * BOX_PLACES + ATTEMPTS + 2 * SAMPLES * bones.len();
@@ -135,8 +138,8 @@ const RAY_TOLERANCE: f64 = 1e-3;
 /// Steps along a ray at most; each goes as far as the skin is away, so that a dozen are usual.
 const RAY_STEPS: usize = 64;
 
-/// Mean distance from places in a bone to the skin, out of the back of the hand and out of its palm, less what
-/// the bone itself takes of the way.
+/// Mean distance from places in a bone to the skin, out of the back of the hand and out of its
+/// palm, less what the bone itself takes of the way.
 fn sides(
     bone: &Bone,
     places: &[Vec3],
@@ -153,7 +156,8 @@ fn sides(
     Ok(sums.map(|sum| sum / places.len() as f64 - half_thickness))
 }
 
-/// Errs unless a bone can be as thick as this \[m\] inside the skin, over whose axis there is at least so much of it \[m\].
+/// Errs unless a bone can be as thick as this \[m\] inside the skin, over whose axis there is at
+/// least so much of it \[m\].
 fn covered_by_skin(bone: &Bone, radius: f64, least: f64) -> Result<(), RigError> {
     if radius > 0.0 && radius.is_finite() {
         return Ok(());
@@ -179,7 +183,8 @@ fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
     covered(bone, BoneSolid { shape, pose_BS: axis.pose_BS }, &places, radius, skin)
 }
 
-/// The two capsules of a last bone, side by side, under `nail` \[m\] of flesh on the back, if there is more.
+/// The two capsules of a last bone, side by side, under `nail` \[m\] of flesh on the back, if there
+/// is more.
 fn flat(bone: &Bone, nail: f64, skin: &mut Skin) -> Result<Covered, RigError> {
     let axis = Axis::of(bone);
     let radius = bone.radius / flat_section().sqrt();
@@ -201,7 +206,8 @@ fn flat(bone: &Bone, nail: f64, skin: &mut Skin) -> Result<Covered, RigError> {
     covered(bone, BoneSolid { shape, pose_BS }, &places, radius, skin)
 }
 
-/// Section of two circles of radius 1 that are together [`LAST_WIDTH`] as wide as thick, over that of one of them.
+/// Section of two circles of radius 1 that are together [`LAST_WIDTH`] as wide as thick, over that
+/// of one of them.
 fn flat_section() -> f64 {
     let half_way = LAST_WIDTH - 1.0;
     let lens = 2.0 * (half_way.acos() - half_way * (1.0 - half_way * half_way).sqrt());
@@ -252,16 +258,17 @@ fn least_depth(places: &[Vec3], skin: &mut Skin) -> Result<f64, RigError> {
     places.iter().try_fold(f64::INFINITY, |least, place| Ok(least.min(skin.depth(place)?)))
 }
 
-/// How far the axis of a bone can be moved out of the back of the hand \[m\] so that none of it is nearer than
-/// `left` to the skin, in any direction; nothing where that is nowhere so.
+/// How far the axis of a bone can be moved out of the back of the hand \[m\] so that none of it is
+/// nearer than `left` to the skin, in any direction; nothing where that is nowhere so.
 fn rise(bone: &Bone, axis: &[Vec3], left: f64, skin: &mut Skin) -> Result<f64, RigError> {
     let back = bone.pose_MB.vector(&Vec3::y());
     let mut raised = f64::INFINITY;
     for place in axis {
         raised = raised.min(skin.way(place, &back)? - left);
     }
-    // A fingertip is narrower towards its back. Depth changes by no more than the way, so that none of what is passed
-    // over on the way down is deep enough, but for the tolerance that ends the walk.
+    // A fingertip is narrower towards its back. Depth changes by no more than the way, so that none
+    // of what is passed over on the way down is deep enough, but for the tolerance that ends the
+    // walk.
     for _ in 0..RAY_STEPS {
         if raised <= 0.0 {
             break;

@@ -3,8 +3,8 @@
 use super::build::LENGTHS;
 use crate::RigError;
 
-/// Lengths of people's hands, wrist to middle fingertip, from infants to the largest \[m\]. A unit is believed where it
-/// alone gives such a length.
+/// Lengths of people's hands, wrist to middle fingertip, from infants to the largest \[m\]. A unit
+/// is believed where it alone gives such a length.
 const PEOPLE: [f64; 2] = [0.12, 0.26];
 
 /// Units that rigs come in, and metres in each.
@@ -19,8 +19,8 @@ pub(super) fn of_length(length: f64) -> Option<(&'static str, f64)> {
     fitting.next().is_none().then_some(*first)
 }
 
-/// Errs unless a hand may be so long \[m\], read at this scale; says in what unit it would be one of people's, and how
-/// to say so.
+/// Errs unless a hand may be so long \[m\], read at this scale; says in what unit it would be one
+/// of people's, and how to say so.
 pub(super) fn check_length(length: f64, scale: f64) -> Result<(), RigError> {
     let [low, high] = LENGTHS;
     if (low..=high).contains(&length) {
@@ -40,8 +40,8 @@ pub(super) fn check_length(length: f64, scale: f64) -> Result<(), RigError> {
     )))
 }
 
-/// Words for what users write: for the program that builds models, and in scenes, whose hands have a length and no
-/// scale.
+/// Words for what users write: for the program that builds models, and in scenes, whose hands have
+/// a length and no scale.
 fn said(option: &str, key: &str) -> String {
     format!("`{option}` for `thenar build`, `{key}` in a scene's [[hand]]")
 }

@@ -10,9 +10,9 @@ use thenar_core::model::{Binding, Digit};
 const FIRST: f64 = 0.56;
 /// Half width of the second joint's ramp, at most, relative to the same length.
 const SECOND: f64 = 0.42;
-/// Half width of the second joint's ramp, at most, relative to the bone between the two further joints. A finger's third joint
-/// has the rest of that bone for its ramp: half of it, or more where the first bone is so short that the second ramp is. A
-/// thumb's, which bends less, has half.
+/// Half width of the second joint's ramp, at most, relative to the bone between the two further
+/// joints. A finger's third joint has the rest of that bone for its ramp: half of it, or more where
+/// the first bone is so short that the second ramp is. A thumb's, which bends less, has half.
 const FURTHER: f64 = 0.5;
 
 /// What the binding of nodes needs to know of each digit.
@@ -90,8 +90,9 @@ fn root_weight(binding: &Binding) -> f64 {
 mod tests {
     use super::*;
 
-    /// A person's index finger, 41 and 23 mm, shares the bone between its further joints evenly. A short first bone, 27.7 mm before
-    /// 32.7, leaves the second ramp 0.42 · 27.7 = 11.634 mm, and the third the rest.
+    /// A person's index finger, 41 and 23 mm, shares the bone between its further joints evenly. A
+    /// short first bone, 27.7 mm before 32.7, leaves the second ramp 0.42 · 27.7 = 11.634 mm, and
+    /// the third the rest.
     #[test]
     fn ramps_fill_the_bone_between_them() {
         let near = |found: [f64; 3], expected: [f64; 3]| {

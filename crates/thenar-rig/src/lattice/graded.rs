@@ -1,5 +1,5 @@
-//! Tetrahedra over a balanced octree: the body-centred cubic lattice, with transitions between cubes of
-//! two sizes (Labelle & Shewchuk 2007, section 3).
+//! Tetrahedra over a balanced octree: the body-centred cubic lattice, with transitions between
+//! cubes of two sizes (Labelle & Shewchuk 2007, section 3).
 //!
 //! ```text
 //!   Seen along a face; c, c' are centres of cubes, F of the larger one's face, M of an edge:
@@ -12,9 +12,9 @@
 //!     +-------+                 +---M---+
 //! ```
 //!
-//! Where a smaller cube elsewhere halves an edge AB at M, the tetrahedron (c, c', A, B) is bisected into
-//! (c, c', A, M) and (c, c', M, B). Dihedral angles lie between 45° and 120°; those of bisected and
-//! quadrisected ones are no worse than 45° and 90°.
+//! Where a smaller cube elsewhere halves an edge AB at M, the tetrahedron (c, c', A, B) is bisected
+//! into (c, c', A, M) and (c, c', M, B). Dihedral angles lie between 45° and 120°; those of
+//! bisected and quadrisected ones are no worse than 45° and 90°.
 
 use super::bcc::{Point, TetKey};
 use super::cells::Cells;
@@ -88,8 +88,8 @@ impl Graded {
         2 << (self.tree.levels() - level)
     }
 
-    /// True if the edge of a face on side `side` along axis `edge`, shared by the cubes `c` and `next`, is halved by a
-    /// smaller cube.
+    /// True if the edge of a face on side `side` along axis `edge`, shared by the cubes `c` and
+    /// `next`, is halved by a smaller cube.
     fn is_halved(&self, c: &Octant, next: &Octant, edge: usize, side: bool) -> bool {
         let by = along(edge, side);
         self.tree.is_split(&c.beside(by)) || self.tree.is_split(&next.beside(by))
@@ -105,7 +105,8 @@ impl Cells for Graded {
         let positive = f[face] >= 0.0;
         let next = cube.beside(along(face, positive));
         let parts = if !self.tree.exists(&next) {
-            // The larger face's centre is the corner towards the middle of the cube of twice the size.
+            // The larger face's centre is the corner towards the middle of the cube of twice the
+            // size.
             let inwards = |d: usize| if cube.at[d] & 1 == 0 { f[d] } else { -f[d] };
             let bits = [inwards(e) >= inwards(g), false, false];
             Parts { cube, kind: Kind::HalfPyramid, face, positive, bits }

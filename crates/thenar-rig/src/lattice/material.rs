@@ -12,7 +12,8 @@ impl Lattice {
     /// One material per tetrahedron, for a body whose material at each place is `at`: modulus and
     /// density are the mean over the body inside the element times its filled fraction (Nesme et
     /// al. 2009). Poisson's ratio is the mean weighted by modulus; the law is that of the places
-    /// whose moduli sum to most. The total mass is exactly the integral of `at`'s density over the body.
+    /// whose moduli sum to most. The total mass is exactly the integral of `at`'s density over the
+    /// body.
     pub fn materials(&self, at: impl Fn(&Vec3) -> Material) -> Vec<Material> {
         self.sample_materials(|i| at(&self.sample_position(i)))
     }

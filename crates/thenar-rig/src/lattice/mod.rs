@@ -5,10 +5,10 @@
 //! body fills only in part knows its filled fraction, by which its density and its stiffness are
 //! to be scaled, so that mass and stiffness are those of the body (Nesme et al. 2009).
 //!
-//! Guaranteed: one face-connected component; positive volumes; the filled volume is the body's;
-//! the result depends on nothing but the input. Not guaranteed: surface vertices may lie a little
-//! outside their tetrahedron, where a nearly empty one was left out; of lattices of several sizes up to
-//! a height of it, where its nodes had no other (see `support`).
+//! Guaranteed: one face-connected component; positive volumes; the filled volume is the body's; the
+//! result depends on nothing but the input. Not guaranteed: surface vertices may lie a little
+//! outside their tetrahedron, where a nearly empty one was left out; of lattices of several sizes
+//! up to a height of it, where its nodes had no other (see `support`).
 
 mod bcc;
 mod cells;
@@ -74,8 +74,8 @@ const TETS_MIN: usize = 12;
 const TETS_MAX: usize = 200_000;
 /// Sample spacing, relative to the cube root of the volume per wanted tetrahedron.
 const SPACING: f64 = 0.28;
-/// Spacing of samples relative to the finest tetrahedra of a graded lattice: 15 points in each, three in the half-empty ones
-/// of a thin edge.
+/// Spacing of samples relative to the finest tetrahedra of a graded lattice: 15 points in each,
+/// three in the half-empty ones of a thin edge.
 const SPACING_FINEST: f64 = 0.4;
 /// Largest spacing of samples, relative to the same tetrahedra.
 const SPACING_MAX: f64 = 0.5;
@@ -107,14 +107,14 @@ impl Lattice {
         Self::from_pieces(samples, pieces, options.rotation, volume)
     }
 
-    /// Covers the inside of a closed, outward-facing mesh with elements of several sizes: around every place inside,
-    /// cubes are halved until their edge is at most `edge` there \[m\], as far as the grading goes. Dihedral
-    /// angles are 45° to 120°. Every node has at least a tenth of the stiffness of those around it, but for places
-    /// so thin that they hang on by less.
+    /// Covers the inside of a closed, outward-facing mesh with elements of several sizes: around
+    /// every place inside, cubes are halved until their edge is at most `edge` there \[m\], as far
+    /// as the grading goes. Dihedral angles are 45° to 120°. Every node has at least a tenth of the
+    /// stiffness of those around it, but for places so thin that they hang on by less.
     ///
     /// # Errors
-    /// When the mesh encloses no volume, hangs together too thinly for elements of this size, or needs more of
-    /// them than there may be.
+    /// When the mesh encloses no volume, hangs together too thinly for elements of this size, or
+    /// needs more of them than there may be.
     pub fn graded(
         mesh: &TriMesh,
         grading: &Grading,

@@ -1,7 +1,7 @@
 //! A balanced octree: cubes that halve where the body wants smaller elements.
 //!
-//! Two leaves that share a face or an edge differ by a factor of two at most, the weak balance that the
-//! transition tetrahedra of `graded` need (Labelle & Shewchuk 2007, section 3).
+//! Two leaves that share a face or an edge differ by a factor of two at most, the weak balance that
+//! the transition tetrahedra of `graded` need (Labelle & Shewchuk 2007, section 3).
 
 use crate::RigError;
 use thenar_core::Vec3;
@@ -41,8 +41,8 @@ pub(super) struct Octree {
 }
 
 impl Octree {
-    /// Cubes of edge `coarse` over the box from `low` to `high`, with one around it on every side, that are
-    /// halved up to `levels` times.
+    /// Cubes of edge `coarse` over the box from `low` to `high`, with one around it on every side,
+    /// that are halved up to `levels` times.
     ///
     /// # Errors
     /// The box is too large for cubes of this size.
@@ -88,7 +88,8 @@ impl Octree {
         }
     }
 
-    /// Splits more cubes until leaves that share a face or an edge differ by a factor of two at most.
+    /// Splits more cubes until leaves that share a face or an edge differ by a factor of two at
+    /// most.
     pub fn balance(&mut self) {
         for level in (1..self.levels()).rev() {
             let dims = self.dims.map(|n| (n << level) as i32);

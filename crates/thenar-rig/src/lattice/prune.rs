@@ -7,9 +7,9 @@ use super::union_find::UnionFind;
 use crate::RigError;
 use thenar_core::Vec3;
 
-/// Removes pieces filled less than `fill_min`, those that hang on by less than a face, and those around nodes with less than
-/// `support_min` of the stiffness of their neighbours (`support`), and gives their points to the nearest piece that
-/// stays, along links.
+/// Removes pieces filled less than `fill_min`, those that hang on by less than a face, and those
+/// around nodes with less than `support_min` of the stiffness of their neighbours (`support`), and
+/// gives their points to the nearest piece that stays, along links.
 ///
 /// # Errors
 /// When no piece is filled that far.
@@ -66,8 +66,8 @@ pub(super) fn keep_largest_component(pieces: &Pieces, keep: &mut [bool]) {
     }
 }
 
-/// Spreads the kept pieces over the points of the others, breadth first along links; returns how many links
-/// were looked at: about those of each point twice, however far the pieces reach.
+/// Spreads the kept pieces over the points of the others, breadth first along links; returns how
+/// many links were looked at: about those of each point twice, however far the pieces reach.
 fn reassign(pieces: &mut Pieces, samples: &Samples, keep: &[bool]) -> usize {
     let lost = |pieces: &Pieces, i: u32| !keep[pieces.of_sample[i as usize] as usize];
     let mut looked_at = 0;

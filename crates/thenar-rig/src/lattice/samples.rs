@@ -107,8 +107,8 @@ impl Samples {
 /// Memory of the crossings of rays along one axis is kept below 320 MB: 16 bytes each.
 const CROSSINGS_MAX: f64 = 2e7;
 
-/// Rays that the triangles' boxes meet, along three axes; infinite where their crossings would take too much
-/// memory.
+/// Rays that the triangles' boxes meet, along three axes; infinite where their crossings would take
+/// too much memory.
 fn mesh_crossings(mesh: &TriMesh, spacing: f64) -> f64 {
     let mut sums = [0.0; 3];
     for t in 0..mesh.triangles.len() {

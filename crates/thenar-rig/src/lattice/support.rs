@@ -6,20 +6,23 @@
 //!   ●───●───●       its skin there a load still has s of its weight at ○, which goes 1/s² times as far as it should.
 //! ```
 //!
-//! A weak element is not the matter: one that lies with a whole face in the body gives way as those below it do. But a node
-//! that has no other elements has little stiffness and little mass, and a load, or a turn of what it hangs on, flings it. Such a
-//! node is left out with its elements, and what they hold of the body is carried by those beside, by extrapolation, as
-//! methods of cut cells do (Badia et al. 2018).
+//! A weak element is not the matter: one that lies with a whole face in the body gives way as those
+//! below it do. But a node that has no other elements has little stiffness and little mass, and a
+//! load, or a turn of what it hangs on, flings it. Such a node is left out with its elements, and
+//! what they hold of the body is carried by those beside, by extrapolation, as methods of cut cells
+//! do (Badia et al. 2018).
 
 use super::pieces::Pieces;
 use super::prune::keep_largest_component;
 use super::tet;
 
-/// Least stiffness of a node, over the mean of those it shares elements with. A node at the corner of a block of full
-/// elements has an eighth of those inside, less what the sampling of the body may miss.
+/// Least stiffness of a node, over the mean of those it shares elements with. A node at the corner
+/// of a block of full elements has an eighth of those inside, less what the sampling of the body
+/// may miss.
 pub const SUPPORT_MIN: f64 = 0.1;
 
-/// The trace of a node's stiffness is a multiple of the sum of `V |∇N|²` over its elements, whatever the law.
+/// The trace of a node's stiffness is a multiple of the sum of `V |∇N|²` over its elements,
+/// whatever the law.
 struct Support {
     /// Share of each element: the fraction filled times this, corner by corner \[m\].
     shares: Vec<[f64; 4]>,
@@ -27,8 +30,9 @@ struct Support {
     around: Vec<Vec<u32>>,
 }
 
-/// Clears `keep` around nodes with less than `least` of the stiffness of their neighbours, weakest first, as far as the
-/// rest hangs together; `point_volume` is the volume of an inside point \[m³\].
+/// Clears `keep` around nodes with less than `least` of the stiffness of their neighbours, weakest
+/// first, as far as the rest hangs together; `point_volume` is the volume of an inside point
+/// \[m³\].
 pub(super) fn leave_out_unsupported(
     pieces: &Pieces,
     point_volume: f64,
@@ -66,7 +70,8 @@ impl Support {
         Self { shares, around }
     }
 
-    /// Nodes that may go: each weaker than all it shares an element with, compared with those around it.
+    /// Nodes that may go: each weaker than all it shares an element with, compared with those
+    /// around it.
     fn weakest(&self, pieces: &Pieces, keep: &[bool], least: f64, stays: &[bool]) -> Vec<u32> {
         let mut stiffness = vec![0.0; self.around.len()];
         for (t, nodes) in pieces.nodes.iter().enumerate().filter(|(t, _)| keep[*t]) {
@@ -101,7 +106,8 @@ impl Support {
         beside
     }
 
-    /// Leaves out nodes with their elements; false, and nothing done, when the rest would fall apart.
+    /// Leaves out nodes with their elements; false, and nothing done, when the rest would fall
+    /// apart.
     fn leave_out(&self, pieces: &Pieces, nodes: &[u32], keep: &mut Vec<bool>) -> bool {
         let mut rest = keep.clone();
         for &n in nodes {

@@ -207,7 +207,8 @@ impl Bvh {
         cost
     }
 
-    /// Nodes and triangles nearer to `p` than `distance`, which a search for the nearest point looks at.
+    /// Nodes and triangles nearer to `p` than `distance`, which a search for the nearest point
+    /// looks at.
     pub(super) fn closest_cost(&self, p: &Vec3, distance: f64) -> usize {
         self.cost(|node| node.distance2(p) > distance * distance)
     }

@@ -28,9 +28,10 @@ pub struct Closest {
     pub distance: f64,
 }
 
-// Contact has a way of its own (`thenar-core`, `contact/triangle.rs`), by dot products: it costs less, and takes a triangle
-// whose edges differ by less than 1e-7 rad for its edges. Here cross products tell the faces of such needles, too, which
-// meshes from files have; and models that were built keep their bits.
+// Contact has a way of its own (`thenar-core`, `contact/triangle.rs`), by dot products: it costs
+// less, and takes a triangle whose edges differ by less than 1e-7 rad for its edges. Here cross
+// products tell the faces of such needles, too, which meshes from files have; and models that were
+// built keep their bits.
 /// Barycentric coordinates and feature of the point of triangle `abc` nearest to `p`.
 /// Degenerate triangles count as the segments or the point that they are.
 ///

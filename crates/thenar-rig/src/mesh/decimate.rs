@@ -20,16 +20,18 @@ const TURN_COSINE_MIN: f64 = 0.17;
 /// Smallest quality (1 for equilateral) of a triangle, unless it was worse before.
 const QUALITY_MIN: f64 = 0.1;
 
-/// Looks at triangles that one collapse takes in an even mesh: six edges offered again, and about three tried,
-/// with twelve triangles around each.
+/// Looks at triangles that one collapse takes in an even mesh: six edges offered again, and about
+/// three tried, with twelve triangles around each.
 const LOOKS: f64 = 110.0;
-/// Looks that a mesh may take in all. Each costs about as much as four comparisons of a point with a triangle.
+/// Looks that a mesh may take in all. Each costs about as much as four comparisons of a point with
+/// a triangle.
 const LOOKS_MAX: usize = (STAGE_MAX / 4.0) as usize;
 
 /// Looks between two tellings: some 60 ms.
 const EVERY: usize = 1_000_000;
-/// Triangles that may meet at a vertex that moves. To offer all of its edges takes as many looks as the square,
-/// of which a mesh has [`LOOKS_MAX`] in all: enough for 500 such vertices. What has more stays where it is.
+/// Triangles that may meet at a vertex that moves. To offer all of its edges takes as many looks as
+/// the square, of which a mesh has [`LOOKS_MAX`] in all: enough for 500 such vertices. What has
+/// more stays where it is.
 const VALENCE_MAX: usize = 1000;
 
 /// Collapses edges until at most `triangles_target` remain, or nothing more can be collapsed
@@ -38,8 +40,9 @@ pub fn decimate(mesh: &TriMesh, triangles_target: usize) -> Result<TriMesh, RigE
     decimate_within(mesh, triangles_target, vec![f64::INFINITY; mesh.positions.len()])
 }
 
-/// [`decimate`] that lengthens no edge beyond the limits of its ends \[m\], one limit per vertex; more triangles
-/// than wanted may remain. A vertex that takes another's place takes the smaller limit of both.
+/// [`decimate`] that lengthens no edge beyond the limits of its ends \[m\], one limit per vertex;
+/// more triangles than wanted may remain. A vertex that takes another's place takes the smaller
+/// limit of both.
 pub fn decimate_within(
     mesh: &TriMesh,
     triangles_target: usize,

@@ -40,8 +40,8 @@ pub enum Inside {
 /// added around the padding (half the thickness of a shell).
 ///
 /// # Errors
-/// The options are out of range, or the triangles overlap so much that the grid would take longer than
-/// [`STAGE_MAX`](crate::work::STAGE_MAX).
+/// The options are out of range, or the triangles overlap so much that the grid would take longer
+/// than [`STAGE_MAX`](crate::work::STAGE_MAX).
 pub fn distance_grid(
     mesh: &TriMesh,
     bvh: &Bvh,
@@ -66,8 +66,8 @@ pub fn distance_grid(
     Ok(grid)
 }
 
-/// True if as many triangles run along each edge one way as the other: the surface then has no border, and
-/// its winding number is a whole number that changes only across it.
+/// True if as many triangles run along each edge one way as the other: the surface then has no
+/// border, and its winding number is a whole number that changes only across it.
 fn balanced(mesh: &TriMesh) -> bool {
     let edges = Edges::new(&mesh.triangles);
     (0..edges.list.len()).all(|e| {
@@ -106,8 +106,8 @@ impl Laying<'_> {
         }
     }
 
-    /// Between two points farther from a surface without border than their spacing, the winding number
-    /// cannot change.
+    /// Between two points farther from a surface without border than their spacing, the winding
+    /// number cannot change.
     fn is_inside(&self, grid: &DistanceGrid, at: [u32; 3], distance: f64) -> bool {
         if self.balanced {
             let mut back = 1;
@@ -124,8 +124,8 @@ impl Laying<'_> {
         self.bvh.contains(&place(grid, at))
     }
 
-    /// Comparisons that the whole grid will take, from those at a few points; at least so many where they are too
-    /// many.
+    /// Comparisons that the whole grid will take, from those at a few points; at least so many
+    /// where they are too many.
     fn cost(&self, grid: &DistanceGrid) -> f64 {
         let points: f64 = grid.dims.iter().map(|&n| f64::from(n)).product();
         let each = points / f64::from(PROBES.pow(3));

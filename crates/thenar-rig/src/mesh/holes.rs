@@ -14,17 +14,20 @@ pub struct Hole {
     pub area: f64,
 }
 
-/// Work spent on borders on which a fan folds, of all holes together: cubes of their numbers of edges.
+/// Work spent on borders on which a fan folds, of all holes together: cubes of their numbers of
+/// edges.
 const FOLDED_WORK_MAX: usize = 512 * 512 * 512;
 /// A triangle faces away if it does by more than this part of the product of areas: no round-off.
 const FACES_AWAY: f64 = 1e-9;
-/// A triangle flatter than this part of its longest side squared costs as much as if it had this area.
+/// A triangle flatter than this part of its longest side squared costs as much as if it had this
+/// area.
 const FLAT: f64 = 1e-3;
 
-/// The mesh with each hole whose border is one simple loop closed, and those holes, the largest first: by a fan about
-/// the loop's middle, or where that folds, as an L-shaped hole's does, by the triangles of least area between the
-/// vertices of its border (Barequet and Sharir 1995), if there are such without edges that the mesh has already and all
-/// that fold have about 512 edges or fewer. Borders that meet in a vertex stay open.
+/// The mesh with each hole whose border is one simple loop closed, and those holes, the largest
+/// first: by a fan about the loop's middle, or where that folds, as an L-shaped hole's does, by the
+/// triangles of least area between the vertices of its border (Barequet and Sharir 1995), if there
+/// are such without edges that the mesh has already and all that fold have about 512 edges or
+/// fewer. Borders that meet in a vertex stay open.
 pub fn close_holes(mesh: &TriMesh) -> (TriMesh, Vec<Hole>) {
     let mut whole = mesh.clone();
     let mut holes = Vec::new();
@@ -64,8 +67,8 @@ fn folds(mesh: &TriMesh, first: usize) -> bool {
     areas().any(|area| area.dot(&mean) < -FACES_AWAY * area.norm() * mean.norm())
 }
 
-/// The triangles between a ring's vertices whose areas sum to the least, without chords that are edges of the mesh;
-/// `None` where none are without.
+/// The triangles between a ring's vertices whose areas sum to the least, without chords that are
+/// edges of the mesh; `None` where none are without.
 fn least_area(positions: &[Vec3], ring: &[[u32; 2]], sides: &[[u32; 2]]) -> Option<Vec<[u32; 3]>> {
     let n = ring.len();
     let is_edge = |a: usize, c: usize| {
@@ -78,8 +81,8 @@ fn least_area(positions: &[Vec3], ring: &[[u32; 2]], sides: &[[u32; 2]]) -> Opti
         let longest = sides.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
         (sides[0].cross(&sides[1]).norm() / 2.0).hypot(FLAT * longest)
     };
-    // Of the part of the ring from a to c, closed by a chord: its least cost, and the vertex that the chord's triangle
-    // has between them.
+    // Of the part of the ring from a to c, closed by a chord: its least cost, and the vertex that
+    // the chord's triangle has between them.
     let mut least = vec![(0.0, 0); n * n];
     for length in 2..n {
         for a in 0..n - length {
@@ -177,8 +180,8 @@ mod tests {
         }
     }
 
-    /// A wall in the form of an L, a U and a comb, whose open top no place sees whole. The volume below a flat top is
-    /// that of the prism.
+    /// A wall in the form of an L, a U and a comb, whose open top no place sees whole. The volume
+    /// below a flat top is that of the prism.
     #[test]
     fn holes_that_no_fan_closes_are_closed_flat() {
         let l = vec![[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]];
@@ -225,7 +228,8 @@ mod tests {
         assert_eq!(closed.triangles.len(), wall.triangles.len() + 2 * outline.len());
     }
 
-    /// An L-shaped wall of which a side ends in a tooth: the chord below that is an edge of the wall.
+    /// An L-shaped wall of which a side ends in a tooth: the chord below that is an edge of the
+    /// wall.
     #[test]
     fn an_ear_of_the_border_is_not_closed_by_a_second_triangle_on_it() {
         for height in [0.2, 0.5, 1.0, 3.0] {

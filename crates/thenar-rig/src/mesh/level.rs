@@ -1,18 +1,19 @@
 //! The surface of a level of a field on a grid.
 //!
-//! Cut from cubes, each of six tetrahedra about its diagonal: of these, whatever the values at their
-//! corners, the pieces of surface fit together into a closed one (Bloomenthal, *Polygonization of implicit
-//! surfaces*, 1988).
+//! Cut from cubes, each of six tetrahedra about its diagonal: of these, whatever the values at
+//! their corners, the pieces of surface fit together into a closed one (Bloomenthal,
+//! *Polygonization of implicit surfaces*, 1988).
 
 use crate::TriMesh;
 use std::collections::HashMap;
 use thenar_core::Vec3;
 
-/// Corners of the surface lie at least this part of a grid edge off the ends, so that no triangle is a sliver.
+/// Corners of the surface lie at least this part of a grid edge off the ends, so that no triangle
+/// is a sliver.
 pub(crate) const INSET: f64 = 0.1;
 
-/// Six tetrahedra of a cube around its diagonal from corner 0 to corner 7; bit k of a corner's number is its place
-/// along axis k.
+/// Six tetrahedra of a cube around its diagonal from corner 0 to corner 7; bit k of a corner's
+/// number is its place along axis k.
 const TETS: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]];
 
@@ -97,7 +98,8 @@ impl Cut<'_> {
         })
     }
 
-    /// Adds a triangle, turned so that it faces from `inside` to `outside`, two corners of its tetrahedron.
+    /// Adds a triangle, turned so that it faces from `inside` to `outside`, two corners of its
+    /// tetrahedron.
     fn face(&mut self, [a, b, c]: [u32; 3], inside: [usize; 3], outside: [usize; 3]) {
         let p = [a, b, c].map(|v| self.mesh.positions[v as usize]);
         let normal = (p[1] - p[0]).cross(&(p[2] - p[0]));

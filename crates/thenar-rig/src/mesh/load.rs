@@ -9,8 +9,8 @@ use std::path::Path;
 /// Larger files are refused.
 const FILE_BYTES_MAX: u64 = 512 << 20;
 
-/// Reads a GLB, OBJ, STL, PLY or OFF file (told by its first bytes, else by its extension) and multiplies
-/// positions by `scale` (0.001 for a file in millimetres).
+/// Reads a GLB, OBJ, STL, PLY or OFF file (told by its first bytes, else by its extension) and
+/// multiplies positions by `scale` (0.001 for a file in millimetres).
 ///
 /// # Errors
 /// [`RigError::InFile`] or [`RigError::Read`], naming the file, the place in it and the cause.

@@ -15,8 +15,8 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Properties of the solid inside a closed, outward-facing mesh, exactly: the integrals of 1, x and x xᵀ
-    /// over the tetrahedra between an origin and each triangle.
+    /// Properties of the solid inside a closed, outward-facing mesh, exactly: the integrals of 1, x
+    /// and x xᵀ over the tetrahedra between an origin and each triangle.
     pub fn of_solid(mesh: &TriMesh, density: f64) -> Result<Self, RigError> {
         let [min, max] = mesh.bounds();
         let origin = (min + max) * 0.5;
@@ -30,8 +30,8 @@ impl MassProperties {
         moments.finish(&origin, density)
     }
 
-    /// Properties of the surface itself, given a thickness \[m\] small against its size: each triangle is a
-    /// plate, its spread through the thickness included.
+    /// Properties of the surface itself, given a thickness \[m\] small against its size: each
+    /// triangle is a plate, its spread through the thickness included.
     pub fn of_shell(mesh: &TriMesh, thickness: f64, density: f64) -> Result<Self, RigError> {
         let [min, max] = mesh.bounds();
         let origin = (min + max) * 0.5;

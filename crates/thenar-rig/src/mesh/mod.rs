@@ -69,7 +69,8 @@ impl TriMesh {
         Ok(mesh)
     }
 
-    /// Errs unless there is a triangle, every number is finite and within 1e6 m, and every index in range.
+    /// Errs unless there is a triangle, every number is finite and within 1e6 m, and every index in
+    /// range.
     pub fn check(&self) -> Result<(), RigError> {
         if self.triangles.is_empty() {
             return Err(RigError::invalid("the mesh has no triangles"));

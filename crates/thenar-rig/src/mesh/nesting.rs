@@ -6,14 +6,14 @@ use crate::{RigError, TriMesh};
 
 /// Comparisons between two tellings: some 15 ms.
 const EVERY: usize = 1_000_000;
-/// Comparisons' worth of a piece that is asked: its tree comes from far memory. 25 000 nested pieces of four triangles
-/// took four times as long as the comparisons alone.
+/// Comparisons' worth of a piece that is asked: its tree comes from far memory. 25 000 nested
+/// pieces of four triangles took four times as long as the comparisons alone.
 const COLD: usize = 4;
 /// Pieces asked about beforehand, to know what all of them cost.
 const PROBES: usize = 64;
 
-/// Number of the other pieces around the first vertex of each of those in `asked`. All pieces must be closed and
-/// face outward.
+/// Number of the other pieces around the first vertex of each of those in `asked`. All pieces must
+/// be closed and face outward.
 ///
 /// # Errors
 /// Too many pieces lie within others for a look at all; or the work is to end.
@@ -67,7 +67,8 @@ impl Nest {
         Self { costs: costs.collect(), hierarchies, tree: Bvh::new(&boxes), boxes }
     }
 
-    /// The pieces whose boxes hold the first vertex of piece `k`: outside of its box a piece winds around nothing.
+    /// The pieces whose boxes hold the first vertex of piece `k`: outside of its box a piece winds
+    /// around nothing.
     fn around(&self, pieces: &[TriMesh], k: usize) -> Vec<u32> {
         let p = pieces[k].positions[0];
         let mut near = self.tree.near(&p, 0.0);

@@ -6,8 +6,8 @@ use std::str::SplitAsciiWhitespace;
 use thenar_core::Vec3;
 use thenar_input::quoted;
 
-/// Reads the triangles of an ASCII OFF file, also of its forms with colours or normals (`COFF`, `NOFF`, `CNOFF`).
-/// Polygons are cut. Positions keep the file's unit and axes.
+/// Reads the triangles of an ASCII OFF file, also of its forms with colours or normals (`COFF`,
+/// `NOFF`, `CNOFF`). Polygons are cut. Positions keep the file's unit and axes.
 ///
 /// # Errors
 /// Names the line and the cause.

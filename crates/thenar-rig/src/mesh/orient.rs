@@ -56,8 +56,8 @@ impl TriMesh {
         triangles.iter().for_each(|&t| self.triangles[t as usize].swap(1, 2));
     }
 
-    /// Some of the triangles with only their own vertices, in the order these have here. Costs what they are, not
-    /// what the mesh is.
+    /// Some of the triangles with only their own vertices, in the order these have here. Costs what
+    /// they are, not what the mesh is.
     fn part(&self, triangles: &[u32]) -> TriMesh {
         let corners = || triangles.iter().map(|&t| self.triangles[t as usize]);
         let mut used: Vec<u32> = corners().flatten().collect();
@@ -71,7 +71,8 @@ impl TriMesh {
         }
     }
 
-    /// Walks over two-sided edges from the first triangle of each piece, turning triangles to agree.
+    /// Walks over two-sided edges from the first triangle of each piece, turning triangles to
+    /// agree.
     fn agree(&mut self, result: &mut Orientation) -> Vec<Piece> {
         let edges = Edges::new(&self.triangles);
         // For each triangle: turned or not, once seen.

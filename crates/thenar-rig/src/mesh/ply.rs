@@ -1,12 +1,13 @@
-//! PLY (Stanford polygon format), ASCII and binary: positions and polygons; all else is passed over.
+//! PLY (Stanford polygon format), ASCII and binary: positions and polygons; all else is passed
+//! over.
 
 use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
 use thenar_core::Vec3;
 use thenar_input::quoted;
 
-/// Reads the triangles of a PLY file of any of its three encodings. Polygons are cut; triangle strips are refused.
-/// Positions keep the file's unit and axes.
+/// Reads the triangles of a PLY file of any of its three encodings. Polygons are cut; triangle
+/// strips are refused. Positions keep the file's unit and axes.
 ///
 /// # Errors
 /// Names the line of the header or of ASCII data, or the byte of binary data, and the cause.

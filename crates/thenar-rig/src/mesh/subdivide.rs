@@ -78,8 +78,8 @@ fn interpolating_control(mesh: &TriMesh) -> TriMesh {
     control
 }
 
-/// The neighbours of each vertex. A vertex on a boundary or non-manifold edge counts only its neighbours
-/// along such edges.
+/// The neighbours of each vertex. A vertex on a boundary or non-manifold edge counts only its
+/// neighbours along such edges.
 struct Stencil {
     first: Vec<u32>,
     neighbours: Vec<u32>,

@@ -36,8 +36,8 @@ impl AngleSum {
         Self { re: 1.0, im: 0.0, turns: 0.0 }
     }
 
-    /// Adds the signed solid angle of a triangle seen from `p`, positive when its back is seen (so that a closed
-    /// outward-facing mesh sums to 4π inside). Van Oosterom & Strackee 1983.
+    /// Adds the signed solid angle of a triangle seen from `p`, positive when its back is seen (so
+    /// that a closed outward-facing mesh sums to 4π inside). Van Oosterom & Strackee 1983.
     pub fn add(&mut self, p: &Vec3, corners: &[Vec3; 3]) {
         let (numerator, denominator) = halves(p, corners);
         let size = numerator.abs() + denominator.abs();

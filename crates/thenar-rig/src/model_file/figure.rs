@@ -8,7 +8,8 @@ use crate::figure::mimic::tangled;
 use std::path::Path;
 use thenar_core::model::HandModel;
 
-/// The bytes of a figure's file, which keeps what follows what. Without any such joint that is the file of a hand.
+/// The bytes of a figure's file, which keeps what follows what. Without any such joint that is the
+/// file of a hand.
 ///
 /// # Errors
 /// When the figure makes no sense, as on reading.

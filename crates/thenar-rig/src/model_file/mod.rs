@@ -11,11 +11,11 @@
 //!
 //! All numbers are little-endian. A file is refused as a whole unless magic, version, length and
 //! checksum agree and the decoded model makes sense (indices in range, numbers finite, weights of
-//! sum 1), so that what has been read can be simulated. Hands of version 1 have no solids of bones and
-//! are read as such: their bones touch nothing. Flesh of versions 1 and 2 has no memory, and their hands do not
-//! know which nodes stand for bone, so that their flesh can be held uniformly alone. Hands before version 4
-//! know neither the regions of their skin nor their nails, and those before version 5 not what their flesh resists. All
-//! else is as in version 5.
+//! sum 1), so that what has been read can be simulated. Hands of version 1 have no solids of bones
+//! and are read as such: their bones touch nothing. Flesh of versions 1 and 2 has no memory, and
+//! their hands do not know which nodes stand for bone, so that their flesh can be held uniformly
+//! alone. Hands before version 4 know neither the regions of their skin nor their nails, and those
+//! before version 5 not what their flesh resists. All else is as in version 5.
 
 mod check;
 mod container;
@@ -35,7 +35,8 @@ use thenar_core::model::HandModel;
 /// A built body.
 #[derive(Clone, Debug)]
 pub enum Model {
-    /// A hand, or another jointed soft body. Which joints of it follow others, [`read_figure`] says.
+    /// A hand, or another jointed soft body. Which joints of it follow others, [`read_figure`]
+    /// says.
     Hand(HandModel),
     /// A rigid body.
     Rigid(RigidModel),

@@ -95,7 +95,8 @@ fn files_are_written_whole_and_name_themselves_in_errors() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// Mimics are kept in a kind of file of its own, which other readers take for the same figure without them.
+/// Mimics are kept in a kind of file of its own, which other readers take for the same figure
+/// without them.
 #[test]
 fn a_figure_keeps_its_mimics() {
     use crate::figure::Mimic;
@@ -195,8 +196,9 @@ fn objects_come_back_as_they_were() {
     }
 }
 
-/// The bytes of a hand without memory, held uniformly, as version 2 had them: without the list of relaxations, the
-/// kind of coupling and the lists of nodes in bone, of regions, of nodes under nails and of the flesh's stiffnesses, a zero each.
+/// The bytes of a hand without memory, held uniformly, as version 2 had them: without the list of
+/// relaxations, the kind of coupling and the lists of nodes in bone, of regions, of nodes under
+/// nails and of the flesh's stiffnesses, a zero each.
 fn of_version_2(hand: &HandModel) -> Vec<u8> {
     let flesh = &hand.flesh;
     let before = (&hand.name, hand.side, &hand.bones, &hand.joints);

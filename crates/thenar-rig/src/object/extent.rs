@@ -6,8 +6,8 @@ use thenar_core::Vec3;
 const LONGEST: f64 = 4.0;
 /// Nothing that stands still around hands is longer \[m\]: a hall.
 const LONGEST_STILL: f64 = 100.0;
-/// Hands neither lift nor push what is heavier than this \[kg\]: over a floor with friction 0.2 it takes
-/// 390 N, half the weight of a person of 80 kg. A choice, not measured.
+/// Hands neither lift nor push what is heavier than this \[kg\]: over a floor with friction 0.2 it
+/// takes 390 N, half the weight of a person of 80 kg. A choice, not measured.
 const HEAVIEST: f64 = 200.0;
 /// Hands hold nothing shorter than this \[m\]: a grain of sand.
 const SHORTEST: f64 = 1e-3;
@@ -71,8 +71,8 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// True if hands may have to do with such a body: it is neither a speck nor a house, and what moves and is longer than
-    /// what hands hold weighs no more than they can push.
+    /// True if hands may have to do with such a body: it is neither a speck nor a house, and what
+    /// moves and is longer than what hands hold weighs no more than they can push.
     fn is_plausible(&self) -> bool {
         let most = if self.still { LONGEST_STILL } else { LONGEST };
         let heavy = !self.still && self.longest > HANDY[1] && self.mass > HEAVIEST;
@@ -80,8 +80,8 @@ impl Extent {
     }
 }
 
-/// A question about a body that was read at this scale; `None` where its size and mass are plausible. `key` is what a
-/// user writes before a scale: `--scale `, `scale = `.
+/// A question about a body that was read at this scale; `None` where its size and mass are
+/// plausible. `key` is what a user writes before a scale: `--scale `, `scale = `.
 pub fn unit_question(body: &Extent, scale: f64, key: &str) -> Option<String> {
     if body.is_plausible() {
         return None;
@@ -135,7 +135,8 @@ mod tests {
         assert!(in_scene.contains("give scale = 0.001, and it is 130.00 mm"), "{in_scene}");
     }
 
-    /// A tool of 60 mm in inches, read in metres, and a sack of 40 kg that is as long as a hand can hold.
+    /// A tool of 60 mm in inches, read in metres, and a sack of 40 kg that is as long as a hand can
+    /// hold.
     #[test]
     fn what_no_hand_moves_is_asked_about() {
         let asked =

@@ -1,10 +1,10 @@
 //! Rigid bodies from triangle meshes of any quality.
 //!
 //! The method, in order:
-//! 1. Vertices closer than 1e-6 of the size are welded and triangles given several times are taken once;
-//!    triangles are made to agree on their
-//!    outside, and closed pieces face outward (cavities stay). Open pieces keep the side they
-//!    have: one that faces inward encloses nothing and becomes a shell (4).
+//! 1. Vertices closer than 1e-6 of the size are welded and triangles given several times are taken
+//!    once; triangles are made to agree on their outside, and closed pieces face outward (cavities
+//!    stay). Open pieces keep the side they have: one that faces inward encloses nothing and
+//!    becomes a shell (4).
 //! 2. The inside is where the generalised winding number is at least ½, on a grid of distances.
 //!    Overlapping parts so become one body, and holes are closed by the surface that the
 //!    remaining mesh suggests.
@@ -222,8 +222,8 @@ fn enclosed(
             return Ok(Some((Interior::Closed, grid, exact)));
         }
     }
-    // A sheet too has half of each crossed cell inside: ask for more. Of parts upon each other only what the
-    // grid can tell apart counts.
+    // A sheet too has half of each crossed cell inside: ask for more. Of parts upon each other only
+    // what the grid can tell apart counts.
     let crossed = grid.values.iter().filter(|&&d| f64::from(d.abs()) < 0.5 * grid.cell).count();
     let sheet = 0.75 * mesh.area().min(crossed as f64 * grid.cell.powi(2)) * grid.cell;
     let body = on_grid.ok().filter(|body| deep_values(&grid) > 0 && body.mass > 0.1 * sheet);

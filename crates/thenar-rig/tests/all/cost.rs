@@ -1,6 +1,7 @@
-//! Goal: what a mesh costs is bounded, and told before and while it is spent, whatever the mesh. Method: meshes
-//! that are made to cost much; what is counted is the work that stages announce, in comparisons of a point
-//! with a triangle (`STAGE_MAX` of a stage takes about half a minute), not time.
+//! Goal: what a mesh costs is bounded, and told before and while it is spent, whatever the mesh.
+//! Method: meshes that are made to cost much; what is counted is the work that stages announce, in
+//! comparisons of a point with a triangle (`STAGE_MAX` of a stage takes about half a minute), not
+//! time.
 
 use crate::damage::Random;
 use std::cell::RefCell;
@@ -62,8 +63,8 @@ fn hand(skin: &TriMesh) -> (Result<(), String>, f64) {
     (made.map_err(|e| e.to_string()), work)
 }
 
-/// A sphere whose corners lie anywhere in the box around the shipped hand: closed, in one part, and all of its
-/// triangles lie in each other's way.
+/// A sphere whose corners lie anywhere in the box around the shipped hand: closed, in one part, and
+/// all of its triangles lie in each other's way.
 fn crumpled(fineness: usize) -> TriMesh {
     let rig = thenar_rig::glb::read_skinned_glb(asset(Side::Right)).unwrap();
     let [low, high] = rig.mesh.bounds();

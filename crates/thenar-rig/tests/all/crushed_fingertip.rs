@@ -1,5 +1,5 @@
-//! Goal: bones are solid where flesh is crushed, and nowhere else. Method: the tip of a finger
-//! of the paper's hand lies between two steel plates, of which one is fixed; a load presses the other
+//! Goal: bones are solid where flesh is crushed, and nowhere else. Method: the tip of a finger of
+//! the paper's hand lies between two steel plates, of which one is fixed; a load presses the other
 //! one down, and lets it go. Expected from geometry and statics: the plates come no nearer than the
 //! bone is thick, the finger's readout shows the load, and no energy comes from nowhere.
 
@@ -32,7 +32,8 @@ fn crush(digit: Digit, tets: usize, step: f64) {
     assert!(press.excess < 3e-4, "{} J from nowhere", press.excess);
 }
 
-/// The finger's readout holds the load, whether flesh or bone bears it, and so do the pairs of bodies.
+/// The finger's readout holds the load, whether flesh or bone bears it, and so do the pairs of
+/// bodies.
 fn is_told(press: &Press, load: f64) {
     assert!(press.on_bone() > 0.1 * load, "the bone bears {} N", press.on_bone());
     let mut readout = ContactReadout::new(&press.world);

@@ -55,7 +55,8 @@ fn a_hand_in_glb_is_valid_and_holds_its_surface_and_bones() {
         assert!((w.iter().sum::<f32>() - 1.0).abs() < 1e-6);
     }
 
-    // Every bone is a node at its joint in the rest pose, and its inverse bind matrix undoes that pose.
+    // Every bone is a node at its joint in the rest pose, and its inverse bind matrix undoes that
+    // pose.
     let mut nodes = Vec::new();
     let scene = file.scenes().next().expect("a scene");
     scene.nodes().for_each(|n| walk(&n, Pose::identity(), &mut nodes));

@@ -1,5 +1,6 @@
-//! Goal: shipped descriptions of bones become figures of flesh whose mass, size and joints are those of the files.
-//! Method: the files themselves, read by formula; a skinned mesh written by the program and read back.
+//! Goal: shipped descriptions of bones become figures of flesh whose mass, size and joints are
+//! those of the files. Method: the files themselves, read by formula; a skinned mesh written by the
+//! program and read back.
 
 use std::path::{Path, PathBuf};
 use thenar_core::Vec3;
@@ -110,8 +111,8 @@ fn a_whole_body_stands_as_tall_as_it_should() {
     assert_eq!((kinds(&body, JointKind::Ball), kinds(&body, JointKind::Universal)), (8, 6));
 }
 
-/// A figure written as a skinned mesh and read back has the same bones at the same places, all balls, and flesh that follows
-/// the same bones.
+/// A figure written as a skinned mesh and read back has the same bones at the same places, all
+/// balls, and flesh that follows the same bones.
 #[test]
 fn a_figure_goes_through_gltf_and_back() {
     let (body, _) = built("figure.xml", 0.03);

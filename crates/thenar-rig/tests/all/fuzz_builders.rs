@@ -1,8 +1,8 @@
-//! Every builder against damaged files, from the bytes to the simulated step: whatever a file says, a body
-//! is made of it and moves, or it is refused with a message.
+//! Every builder against damaged files, from the bytes to the simulated step: whatever a file says,
+//! a body is made of it and moves, or it is refused with a message.
 //!
-//! Good files are damaged in a seeded sequence, in their bytes and, for meshes, in what the bytes mean. The
-//! same code runs under `cargo fuzz`, see `fuzz/`.
+//! Good files are damaged in a seeded sequence, in their bytes and, for meshes, in what the bytes
+//! mean. The same code runs under `cargo fuzz`, see `fuzz/`.
 
 use crate::bodies;
 use crate::damage::{Random, ascii_stl, damaged, glb, obj};
@@ -142,8 +142,8 @@ fn a_hand_without_a_surface_is_refused() {
     }
 }
 
-/// Meshes damaged in what they mean: corners swapped, moved onto others, far away, onto a plane; triangles
-/// left out, repeated, turned over.
+/// Meshes damaged in what they mean: corners swapped, moved onto others, far away, onto a plane;
+/// triangles left out, repeated, turned over.
 #[test]
 fn crooked_meshes_endure() {
     let mut random = Random(0x5eed_0000_0000_0003);
@@ -169,7 +169,8 @@ fn crooked_meshes_endure() {
     assert!(rigid > 150 && soft > 5, "{rigid} {soft}");
 }
 
-/// One corner of a ball far away leaves a spike; where it fills no tetrahedron, the body is refused.
+/// One corner of a ball far away leaves a spike; where it fills no tetrahedron, the body is
+/// refused.
 #[test]
 fn spikes_endure() {
     let ball = shapes::sphere(0.05, 2);

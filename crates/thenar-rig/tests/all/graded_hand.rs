@@ -1,6 +1,7 @@
-//! Goal: a hand of graded mesh is fine where it touches and coarse elsewhere, in hands of all sizes, and its skin is no
-//! coarser than its flesh. Method: edges of elements and triangles are measured where the rig says that pads
-//! and palm are; shapes have the angles that geometry gives them.
+//! Goal: a hand of graded mesh is fine where it touches and coarse elsewhere, in hands of all
+//! sizes, and its skin is no coarser than its flesh. Method: edges of elements and triangles are
+//! measured where the rig says that pads and palm are; shapes have the angles that geometry gives
+//! them.
 
 use std::sync::OnceLock;
 use thenar_core::Vec3;
@@ -33,7 +34,8 @@ fn place(hand: &HandModel, vertex: usize) -> Vec3 {
     nodes.map(|(n, w)| hand.flesh.nodes[*n as usize] * w).sum()
 }
 
-/// Whether a place lies at the pad of the index: on the palm's side of the last third of its last bone.
+/// Whether a place lies at the pad of the index: on the palm's side of the last third of its last
+/// bone.
 fn at_pad(hand: &HandModel, x: &Vec3) -> bool {
     let bone = hand.bones.iter().find(|b| b.name == "index-distal").unwrap();
     let [a, b] = bone.ends_B;

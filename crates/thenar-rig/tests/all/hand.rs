@@ -431,8 +431,8 @@ fn distance(solid: &Shape, p: &Vec3) -> f64 {
     }
 }
 
-/// The palm's box and the capsules of the fingers, measured by the skin of the built model rather than
-/// by the mesh that they were made from.
+/// The palm's box and the capsules of the fingers, measured by the skin of the built model rather
+/// than by the mesh that they were made from.
 #[test]
 fn flesh_covers_every_bone() {
     for (hand, report) in all() {

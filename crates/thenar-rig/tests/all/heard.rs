@@ -1,6 +1,6 @@
-//! Goal: no stage of building is deaf or dear, whatever the mesh. Method: meshes of very many pieces, or of very
-//! many triangles around one vertex; what stages say is counted, and a watch that says no after so many words
-//! must be obeyed at once.
+//! Goal: no stage of building is deaf or dear, whatever the mesh. Method: meshes of very many
+//! pieces, or of very many triangles around one vertex; what stages say is counted, and a watch
+//! that says no after so many words must be obeyed at once.
 
 use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
@@ -31,8 +31,8 @@ fn work(said: &[Progress], name: &str) -> f64 {
     said.iter().filter(|p| p.stage == name && p.done == 0.0).map(|p| p.work).sum()
 }
 
-/// Says no to the words `build` says, first to the first, then to the second and so on, and expects no further
-/// word and no other result.
+/// Says no to the words `build` says, first to the first, then to the second and so on, and expects
+/// no further word and no other result.
 fn is_obeyed<T: std::fmt::Debug>(build: impl Fn() -> Result<T, RigError>, words: usize) {
     for allowed in 0..words {
         let said = Rc::new(Cell::new(0));
@@ -81,8 +81,8 @@ fn nested(n: usize) -> TriMesh {
     mesh
 }
 
-/// Pieces that lie beside each other turn outward, all four triangles of each, at a cost in proportion to their
-/// number.
+/// Pieces that lie beside each other turn outward, all four triangles of each, at a cost in
+/// proportion to their number.
 #[test]
 fn many_pieces_are_turned_at_a_cost_of_their_number() {
     for n in [8, 16, 28] {
@@ -96,8 +96,8 @@ fn many_pieces_are_turned_at_a_cost_of_their_number() {
     }
 }
 
-/// Of pieces within each other every second one is the wall of a cavity; each lies in all before it, which is
-/// asked for.
+/// Of pieces within each other every second one is the wall of a cavity; each lies in all before
+/// it, which is asked for.
 #[test]
 fn nested_pieces_alternate_and_their_price_is_known() {
     let n = 200;
@@ -105,14 +105,15 @@ fn nested_pieces_alternate_and_their_price_is_known() {
     let (turned, said) = listen(|| mesh.orient());
     let turned = turned.unwrap();
     assert_eq!((turned.cavities, turned.flipped_triangles), (n / 2, 4 * n / 2));
-    // n (n - 1) / 2 pairs of one box, one node and four triangles each, far apart in memory, which takes four
-    // times as long; every fourth piece is probed.
+    // n (n - 1) / 2 pairs of one box, one node and four triangles each, far apart in memory, which
+    // takes four times as long; every fourth piece is probed.
     let expected = 4.0 * 6.0 * (n * (n - 1) / 2) as f64;
     let told = work(&said, "finding cavities");
     assert!((told / expected - 1.0).abs() < 0.05, "{told} {expected}");
 }
 
-/// Twenty thousand within each other would be 2e8 pairs of 24 comparisons: too much, which is said in advance.
+/// Twenty thousand within each other would be 2e8 pairs of 24 comparisons: too much, which is said
+/// in advance.
 #[test]
 fn what_is_nested_too_deeply_is_refused_before_it_is_looked_into() {
     let mut mesh = nested(20_000);
@@ -142,8 +143,8 @@ fn double_cone(n: u32) -> TriMesh {
     mesh
 }
 
-/// An apex of very many triangles stays where it is, and the rim is thinned: of a fine polygon of radius r the
-/// cones enclose 2 π r² h / 3 with r = h = 0.05 m.
+/// An apex of very many triangles stays where it is, and the rim is thinned: of a fine polygon of
+/// radius r the cones enclose 2 π r² h / 3 with r = h = 0.05 m.
 #[test]
 fn a_vertex_of_very_many_triangles_stays_and_costs_little() {
     for n in [5_000, 50_000] {
@@ -156,13 +157,14 @@ fn a_vertex_of_very_many_triangles_stays_and_costs_little() {
         }
         let exact = 2.0 * TAU / 2.0 * 0.05f64.powi(3) / 3.0;
         assert!((thin.volume() / exact - 1.0).abs() < 1e-3, "{}", thin.volume() / exact);
-        // A word for each million looks at triangles, of which a collapse of the rim takes less than 200.
+        // A word for each million looks at triangles, of which a collapse of the rim takes less
+        // than 200.
         assert!(said.len() <= 2 + 200 * n as usize / 1_000_000, "{n}: {}", said.len());
     }
 }
 
-/// Where a dozen vertices have almost as many triangles as may move, to offer their edges is dear: a word comes
-/// for each million looks from the first on, and each is heard.
+/// Where a dozen vertices have almost as many triangles as may move, to offer their edges is dear:
+/// a word comes for each million looks from the first on, and each is heard.
 #[test]
 fn an_end_is_heard_wherever_a_word_is_said() {
     let fans = all((0..12).map(|k| {

@@ -1,5 +1,6 @@
-//! Goal: the nodes that stand for bone hold each bone where it lies, whatever the mesh. Method: the volumes that
-//! they stand for are compared with the solids' own; barycentric weights keep the centre of mass.
+//! Goal: the nodes that stand for bone hold each bone where it lies, whatever the mesh. Method: the
+//! volumes that they stand for are compared with the solids' own; barycentric weights keep the
+//! centre of mass.
 
 use thenar_core::Vec3;
 use thenar_core::model::{HandModel, Side};
@@ -22,8 +23,8 @@ fn extent(shape: &Shape) -> f64 {
     }
 }
 
-/// Every bone is held, by nodes that stand for most of its volume. The rest lies at nodes of coarse elements that
-/// reach from one finger's bones to another's and follow only one.
+/// Every bone is held, by nodes that stand for most of its volume. The rest lies at nodes of coarse
+/// elements that reach from one finger's bones to another's and follow only one.
 fn check_bones_are_held(side: Side, tets: usize, length: f64) {
     let (hand, report) = hand(side, tets, length);
     for cover in &report.bone_covers {
@@ -56,8 +57,8 @@ fn every_bone_is_held_in_small_and_large_hands() {
     }
 }
 
-/// The centre of what a bone's nodes stand for is that of its solid, up to the distance of inside points: a
-/// twentieth of the solid in fine flesh.
+/// The centre of what a bone's nodes stand for is that of its solid, up to the distance of inside
+/// points: a twentieth of the solid in fine flesh.
 #[test]
 fn a_bone_is_held_at_its_middle() {
     let (hand, _) = hand(Side::Right, 20_000, 0.19);

@@ -1,6 +1,6 @@
-//! Goal: building tells how much the joints of a hand resist, and gives springs what flesh leaves of what people's joints
-//! have. Method: hands of both kinds of coupling are built with both kinds of springs, and their reports compared with
-//! what was asked for and with each other.
+//! Goal: building tells how much the joints of a hand resist, and gives springs what flesh leaves
+//! of what people's joints have. Method: hands of both kinds of coupling are built with both kinds
+//! of springs, and their reports compared with what was asked for and with each other.
 
 use thenar_core::model::Side;
 use thenar_rig::hand::{
@@ -12,7 +12,8 @@ fn flexion<'a>(rows: &'a [JointStiffness], joint: &str) -> &'a JointStiffness {
     rows.iter().find(|row| row.joint == joint && row.axis == "flexion").expect("a row")
 }
 
-/// Springs that are fixed are those of the table, whether the flesh is measured or not; the paper's hand keeps them.
+/// Springs that are fixed are those of the table, whether the flesh is measured or not; the paper's
+/// hand keeps them.
 #[test]
 fn fixed_springs_do_not_depend_on_the_flesh() {
     let options = HandOptions { render_triangles: 200, ..HandOptions::paper() };
@@ -31,8 +32,8 @@ fn fixed_springs_do_not_depend_on_the_flesh() {
     assert_eq!(rows.len(), 20);
 }
 
-/// All joints that flesh leaves room for are as stiff as wanted, to three digits, and those that it does not have no spring;
-/// wanted stiffness goes with the cube of the length.
+/// All joints that flesh leaves room for are as stiff as wanted, to three digits, and those that it
+/// does not have no spring; wanted stiffness goes with the cube of the length.
 #[test]
 fn springs_that_are_the_rest_make_joints_as_stiff_as_wanted() {
     for (side, length) in [(Side::Left, 0.17), (Side::Right, 0.2)] {
@@ -65,7 +66,8 @@ fn the_rest_is_the_same_each_time_and_for_any_coupling() {
     for (a, b) in hand.joints.iter().zip(&again.joints) {
         assert_eq!(a.axes, b.axes, "{}", a.name);
     }
-    // Flesh that is held to the skin leaves knuckles nothing; the last joint of a finger gets what is left.
+    // Flesh that is held to the skin leaves knuckles nothing; the last joint of a finger gets what
+    // is left.
     assert_eq!(flexion(&report.joints, "index-mcp").spring, 0.0);
     assert!(flexion(&report.joints, "index-dip").spring > 0.0);
 }

@@ -1,5 +1,6 @@
-//! Files that say more than they hold or may: refused with the thing, the number and the bound. Goal: a file
-//! of a few megabytes never costs gigabytes or minutes. Method: valid files, changed in one place.
+//! Files that say more than they hold or may: refused with the thing, the number and the bound.
+//! Goal: a file of a few megabytes never costs gigabytes or minutes. Method: valid files, changed
+//! in one place.
 
 use crate::damage;
 use serde_json::{Value, json};
@@ -127,7 +128,8 @@ fn bodies_beyond_sense_are_refused_whatever_they_are() {
     }
 }
 
-/// A closed box of one piece whose sides fold to and fro across it: rays would cross it thousands of times.
+/// A closed box of one piece whose sides fold to and fro across it: rays would cross it thousands
+/// of times.
 #[test]
 fn a_folded_surface_is_refused_before_it_is_sampled() {
     let mut mesh = TriMesh::default();

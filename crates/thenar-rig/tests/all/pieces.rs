@@ -1,5 +1,5 @@
-//! Goal: a hand whose skin is several meshes, such as a glove and the skin beside it, is one hand. Method: the shipped hand, cut in
-//! two; what comes of it is held against the whole one.
+//! Goal: a hand whose skin is several meshes, such as a glove and the skin beside it, is one hand.
+//! Method: the shipped hand, cut in two; what comes of it is held against the whole one.
 
 use thenar_core::Vec3;
 use thenar_core::model::Side;
@@ -38,7 +38,8 @@ fn built(bytes: &[u8], meshes: &[&str]) -> HandReport {
     build_hand_with_report(bytes, &options).unwrap_or_else(|e| panic!("{e}")).1
 }
 
-/// The triangles whose middle is at most so far along from the wrist to the middle finger's tip, or at least.
+/// The triangles whose middle is at most so far along from the wrist to the middle finger's tip, or
+/// at least.
 fn part(mesh: &TriMesh, keeps: impl Fn(f64) -> bool) -> TriMesh {
     let rig = whole();
     let place = |name: &str| {
@@ -69,8 +70,8 @@ fn inflated(mesh: &TriMesh, by: f64) -> TriMesh {
     out
 }
 
-/// A glove 1 mm off the fingers, which overlaps the skin of palm and wrist: what both enclose has the volume of the hand and at most
-/// that of the glove's own thickness more.
+/// A glove 1 mm off the fingers, which overlaps the skin of palm and wrist: what both enclose has
+/// the volume of the hand and at most that of the glove's own thickness more.
 #[test]
 fn a_glove_over_skin_is_one_hand() {
     let mesh = whole().mesh;

@@ -1,5 +1,5 @@
-//! Goal: pads, nails, palm and back of a hand lie where they should. Method: the directions and areas of their skin in
-//! the frames of their bones, in both hands and at another size.
+//! Goal: pads, nails, palm and back of a hand lie where they should. Method: the directions and
+//! areas of their skin in the frames of their bones, in both hands and at another size.
 
 use thenar_core::Vec3;
 use thenar_core::model::{CouplingKind, Digit, HandModel, HandRegion, Side};

@@ -1,6 +1,7 @@
-//! Goal: any rig of a hand becomes a hand: joints named by other tools, with axes of their own, some missing, in any
-//! unit, of either side, open at the wrist. Method: the shipped hands' meshes and joint places are written as such rigs;
-//! what is built has the bones of the shipped hand, or what the rig leaves out is where anatomy has it.
+//! Goal: any rig of a hand becomes a hand: joints named by other tools, with axes of their own,
+//! some missing, in any unit, of either side, open at the wrist. Method: the shipped hands' meshes
+//! and joint places are written as such rigs; what is built has the bones of the shipped hand, or
+//! what the rig leaves out is where anatomy has it.
 
 use thenar_core::model::{HandModel, Side};
 use thenar_core::{Pose, Quat, Vec3};
@@ -108,8 +109,8 @@ fn shipped(side: Side) -> HandModel {
     build_hand_with_report(asset(side), &options).unwrap().0
 }
 
-/// The largest distance of bones' ends from those of the shipped hand of the same side, and the largest angle between
-/// the flexion axes of joints \[m, rad\].
+/// The largest distance of bones' ends from those of the shipped hand of the same side, and the
+/// largest angle between the flexion axes of joints \[m, rad\].
 fn apart(hand: &HandModel) -> (f64, f64) {
     let own = shipped(hand.side.unwrap());
     let far = hand.bones.iter().zip(&own.bones).skip(1).flat_map(|(a, b)| {
@@ -125,8 +126,8 @@ fn apart(hand: &HandModel) -> (f64, f64) {
     (far.fold(0.0, f64::max), angle.fold(0.0, f64::max))
 }
 
-/// Wrist and knuckles say where the palm lies as well as a rig's own axes, to these: 9 mm at tips that no joint
-/// marks, of a hand whose wrist is turned by 2°.
+/// Wrist and knuckles say where the palm lies as well as a rig's own axes, to these: 9 mm at tips
+/// that no joint marks, of a hand whose wrist is turned by 2°.
 const FAR_MAX: f64 = 0.009;
 /// Axes of digits, by places alone, against those that the rig's artist gave.
 const ANGLE_MAX: f64 = 0.45;
@@ -393,7 +394,8 @@ fn a_rig_is_listed_for_a_name_map() {
     assert_eq!(list(&both, &[], None).side, Some(Side::Right));
 }
 
-/// A map of those joints alone whose names say nothing, beside numbers, words and WebXR's own names.
+/// A map of those joints alone whose names say nothing, beside numbers, words and WebXR's own
+/// names.
 #[test]
 fn a_name_map_fills_in_what_names_leave_out() {
     type Name = fn(&str, usize) -> String;

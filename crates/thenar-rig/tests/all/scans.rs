@@ -1,5 +1,6 @@
-//! Goal: scans become soft bodies: meshes with holes, triangles turned over, in files of every kind. Method: a sphere with
-//! known volume loses caps; what is closed has the volume between the planes of the cuts, whatever the file.
+//! Goal: scans become soft bodies: meshes with holes, triangles turned over, in files of every
+//! kind. Method: a sphere with known volume loses caps; what is closed has the volume between the
+//! planes of the cuts, whatever the file.
 
 use std::f64::consts::TAU;
 use thenar_core::Vec3;

@@ -1,6 +1,7 @@
-//! Goal: offsets by pose take skinned targets to where a hand's own flesh comes to rest. Method: hands whose bones are held at
-//! poses that the offsets know, and at others between them; flesh held at the bone alone is brought to rest there by small
-//! steps of a world of its own, and compared with the targets of a hand that is held everywhere.
+//! Goal: offsets by pose take skinned targets to where a hand's own flesh comes to rest. Method:
+//! hands whose bones are held at poses that the offsets know, and at others between them; flesh
+//! held at the bone alone is brought to rest there by small steps of a world of its own, and
+//! compared with the targets of a hand that is held everywhere.
 
 use thenar_core::kinematics::Tree;
 use thenar_core::model::{
@@ -122,8 +123,8 @@ fn largest_turn(hand: &HandModel, joint: &str) -> (usize, f64) {
     (axis, hand.joints[j].axes[axis].limit.unwrap().max - angles[j][axis])
 }
 
-/// At the end of its range a joint's targets lie where the flesh does, while skinning alone is off by millimetres; half-way to
-/// the first pose, at 11 to 15°, at most half of what it lacks is left.
+/// At the end of its range a joint's targets lie where the flesh does, while skinning alone is off
+/// by millimetres; half-way to the first pose, at 11 to 15°, at most half of what it lacks is left.
 #[test]
 fn targets_lie_where_the_flesh_comes_to_rest() {
     let hand = uniform_hand(Side::Right, 600).unwrap();

@@ -1,6 +1,6 @@
-//! Goal: of a file of several skinned meshes, as avatars are, the body is taken, by rule or by name, and what is wrong with a rig is
-//! said with its place and what helps. Method: boxes and balls on two joints, written as GLB; expected sizes are those of
-//! the boxes.
+//! Goal: of a file of several skinned meshes, as avatars are, the body is taken, by rule or by
+//! name, and what is wrong with a rig is said with its place and what helps. Method: boxes and
+//! balls on two joints, written as GLB; expected sizes are those of the boxes.
 
 use crate::mesh_limits::changed;
 use serde_json::json;
@@ -111,8 +111,8 @@ fn meshes_are_taken_by_name() {
     assert!(error.contains("\"skirt\"; it has \"eye\", \"hair\", \"body\""), "{error}");
 }
 
-/// An eye whose triangles name vertices that are not there might have been the body: the file is refused until another mesh
-/// is named; the eye is then left out, which is reported.
+/// An eye whose triangles name vertices that are not there might have been the body: the file is
+/// refused until another mesh is named; the eye is then left out, which is reported.
 #[test]
 fn a_damaged_mesh_asks_for_the_name_of_the_body() {
     let damaged = |of: &[usize]| {
@@ -150,7 +150,8 @@ fn a_damaged_mesh_asks_for_the_name_of_the_body() {
     assert!(read_skinned_glb(&none).is_err());
 }
 
-/// An upper and a lower part, each open where it lies in the other, and an eye inside: one body of the whole height.
+/// An upper and a lower part, each open where it lies in the other, and an eye inside: one body of
+/// the whole height.
 #[test]
 fn meshes_that_cross_are_one_body() {
     let half = |y: f64, lid: f64| {
@@ -224,7 +225,8 @@ fn a_bone_outside_the_skin_is_told_with_its_place() {
     }
 }
 
-/// Packed vertices are refused in one line, whatever else is missing; what is about looks alone does not matter.
+/// Packed vertices are refused in one line, whatever else is missing; what is about looks alone
+/// does not matter.
 #[test]
 fn extensions_are_named_with_what_helps() {
     let plain = file(&[("body", body())], JOINTS);

@@ -1,6 +1,6 @@
-//! Goal: no node of a graded hand hangs in the air. Method: the stiffness of every node, of flesh that is as stiff over joints
-//! as elsewhere, is compared with that of the nodes around it, and its displacement under the loads that skin brings to it
-//! with theirs.
+//! Goal: no node of a graded hand hangs in the air. Method: the stiffness of every node, of flesh
+//! that is as stiff over joints as elsewhere, is compared with that of the nodes around it, and its
+//! displacement under the loads that skin brings to it with theirs.
 
 use thenar_core::Vec3;
 use thenar_core::model::{HandModel, Side};
@@ -19,7 +19,8 @@ fn hand(side: Side, detail: f64, length: f64) -> HandModel {
     build_hand(asset(side), &options).unwrap()
 }
 
-/// `E V |∇N|²` summed over the elements of each node \[N/m\], a multiple of its stiffness's trace; and the nodes around each.
+/// `E V |∇N|²` summed over the elements of each node \[N/m\], a multiple of its stiffness's trace;
+/// and the nodes around each.
 fn stiffness(hand: &HandModel) -> (Vec<f64>, Vec<Vec<usize>>) {
     let flesh = &hand.flesh;
     let mut stiffness = vec![0.0; flesh.nodes.len()];
@@ -55,8 +56,8 @@ fn check(side: Side, detail: f64, length: f64) {
     let least = (0..stiffness.len()).map(ratio).fold(f64::INFINITY, f64::min);
     println!("{side:?}, {detail}, {length} m: {least} of the stiffness around a node");
 
-    // A load of 1 N on a vertex of the skin moves a node by its weight over its stiffness, were all others held; and the
-    // vertex by the sum of these times the weights.
+    // A load of 1 N on a vertex of the skin moves a node by its weight over its stiffness, were all
+    // others held; and the vertex by the sum of these times the weights.
     let mut furthest = 0.0_f64;
     for vertex in &hand.flesh.collision.vertices {
         let nodes = hand.flesh.tets[vertex.tet as usize].map(|n| n as usize);
@@ -69,9 +70,9 @@ fn check(side: Side, detail: f64, length: f64) {
     assert!(furthest < 5.0, "{side:?}, {detail}, {length} m: {furthest}");
 }
 
-/// A node at the corner of a block of full elements has an eighth of the stiffness of those inside. Of two nodes, one of a tenth
-/// of the other's stiffness, the load that moves it most has w = 0.3 at it: 2.2 times as far as the skin; other corners
-/// and places beside the elements add to that.
+/// A node at the corner of a block of full elements has an eighth of the stiffness of those inside.
+/// Of two nodes, one of a tenth of the other's stiffness, the load that moves it most has w = 0.3
+/// at it: 2.2 times as far as the skin; other corners and places beside the elements add to that.
 #[test]
 fn no_node_hangs_in_the_air() {
     for side in [Side::Right, Side::Left] {

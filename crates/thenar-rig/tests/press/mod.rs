@@ -1,5 +1,5 @@
-//! The tip of a finger of the default hand between two steel plates: the lower is fixed, a load presses the
-//! upper one down.
+//! The tip of a finger of the default hand between two steel plates: the lower is fixed, a load
+//! presses the upper one down.
 #![allow(dead_code)]
 
 use thenar_core::model::{

@@ -240,8 +240,8 @@ pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel,
     }
 }
 
-/// Errs when a file has no mesh of one of these names, and lists those that it has. What else is wrong with the file, who
-/// builds from it says.
+/// Errs when a file has no mesh of one of these names, and lists those that it has. What else is
+/// wrong with the file, who builds from it says.
 pub fn check_meshes(wanted: Option<&At<MeshNames>>, bytes: &[u8]) -> Result<(), Fault> {
     let (Some(wanted), Ok(known)) = (wanted, skinned_names(bytes)) else { return Ok(()) };
     let Some(name) = wanted.value.0.iter().find(|name| !known.contains(name)) else {

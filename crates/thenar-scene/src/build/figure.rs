@@ -205,7 +205,8 @@ fn read(figure: &Figure, files: &Files) -> Result<(HandModel, Vec<Mimic>), Fault
     Ok((model, mimics))
 }
 
-/// Changes to joints from a file of `[[joint]]` tables, which are those of a scene's `[[figure.joint]]`.
+/// Changes to joints from a file of `[[joint]]` tables, which are those of a scene's
+/// `[[figure.joint]]`.
 ///
 /// # Errors
 /// The file cannot be read, or something in it is wrong; says what and where.

@@ -50,7 +50,8 @@ fn follows(mimics: &[Mimic], kind: JointKind, j: usize) -> bool {
 fn keys(model: &HandModel, mimics: &[Mimic], figure: &Figure) -> Result<Keys, Fault> {
     let mut of_joint: Keys = vec![Vec::new(); model.joints.len()];
     for key in &figure.key {
-        // The more a name says the more it counts: names with a `*` come first, shorter before longer ones.
+        // The more a name says the more it counts: names with a `*` come first, shorter before
+        // longer ones.
         let mut named: Vec<_> = key.value.joints.iter().collect();
         named.sort_by_key(|(name, _)| (!name.ends_with('*'), name.len()));
         for (name, angles) in named {
@@ -103,7 +104,8 @@ pub fn trains(built: &mut Built, f: usize, motors: &[Motor]) -> Vec<Train> {
     trains
 }
 
-/// For each axis that follows this one, directly or not, the laws on the way. What follows is a tree.
+/// For each axis that follows this one, directly or not, the laws on the way. What follows is a
+/// tree.
 fn laws_from(mimics: &[Mimic], leader: (u32, u8)) -> Vec<Vec<Mimic>> {
     let mut found: Vec<Vec<Mimic>> = Vec::new();
     let mut open: Vec<(Vec<Mimic>, (u32, u8))> = vec![(Vec::new(), leader)];

@@ -43,16 +43,16 @@ pub struct BuiltHand {
     pub coupling: CouplingKind,
     /// Springs between flesh and bones, per volume of what they hold \[N/m⁴\].
     pub coupling_stiffness: f64,
-    /// Torques that hold its joints at their targets; `None` for a hand that nothing drives, or that the scene leaves to its
-    /// drives.
+    /// Torques that hold its joints at their targets; `None` for a hand that nothing drives, or
+    /// that the scene leaves to its drives.
     pub muscles: Option<Muscles>,
     /// Red, green, blue from 0 to 1, if the scene says.
     pub colour: Option<[f64; 3]>,
 }
 
 impl BuiltHand {
-    /// The twenty angles of the hand (see [`hand_angles`]); `None` for a joint it lacks, and for all when its
-    /// joints are no tree.
+    /// The twenty angles of the hand (see [`hand_angles`]); `None` for a joint it lacks, and for
+    /// all when its joints are no tree.
     pub fn angles(&self) -> [Option<AngleRange>; ANGLES] {
         match Articulation::new(&self.model) {
             Ok(articulation) => hand_angles(&self.model, &articulation),
@@ -189,7 +189,8 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
     if coupling != model.coupling {
         model.bending.clear();
     }
-    // Joints that no drive pulls are limp, and fingers that are to grip find their own way, by force.
+    // Joints that no drive pulls are limp, and fingers that are to grip find their own way, by
+    // force.
     let usual = preset != PresetWord::Paper && hand.grip.is_empty();
     let pulls = |drive: Drive| drive.stiffness > 0.0 || drive.angular_stiffness > 0.0;
     let has_muscles = placement.bone_drive.is_some_and(pulls) && hand.muscles.unwrap_or(usual);
@@ -226,8 +227,8 @@ fn coupling(hand: &Hand, model: &HandModel) -> Result<CouplingKind, Fault> {
 }
 
 /// Changes the flesh as the scene says. A model's elements differ in modulus and density by how
-/// much of the body they hold: a change of the largest scales them all. What lies under layers was given its modulus,
-/// ratio and law when it was built.
+/// much of the body they hold: a change of the largest scales them all. What lies under layers was
+/// given its modulus, ratio and law when it was built.
 pub(super) fn soften(
     flesh: &mut Flesh,
     table: Option<&HandMaterial>,

@@ -1,8 +1,9 @@
-//! Hands that were built before in this process: a scene that is opened again, mirrored or swept builds each of its
-//! hands once.
+//! Hands that were built before in this process: a scene that is opened again, mirrored or swept
+//! builds each of its hands once.
 //!
-//! A hand is known by all that it is made from, the bytes of its mesh and its options, so that no entry can be
-//! stale. Those used last are kept here, and in a folder where the program has one (`hand_store`).
+//! A hand is known by all that it is made from, the bytes of its mesh and its options, so that no
+//! entry can be stale. Those used last are kept here, and in a folder where the program has one
+//! (`hand_store`).
 
 use super::hand_store::store;
 use std::collections::VecDeque;
@@ -11,7 +12,8 @@ use thenar_core::model::{Flesh, HandModel, PoseOffsets, Skinning};
 use thenar_rig::RigError;
 use thenar_rig::hand::{HandOptions, build_hand, sculpted_offsets};
 
-/// Hands kept: two of each of four scenes. One of 12 thousand tetrahedra has a file of some megabytes.
+/// Hands kept: two of each of four scenes. One of 12 thousand tetrahedra has a file of some
+/// megabytes.
 const KEPT: usize = 8;
 
 /// The source of a hand.
@@ -82,8 +84,8 @@ type Known = (String, Vec<PoseOffsets>);
 
 static OFFSETS: Mutex<VecDeque<Known>> = Mutex::new(VecDeque::new());
 
-/// [`sculpted_offsets`], or what that gave for the same hand before. A hand is known here by all that is written of its
-/// skeleton, its flesh and what binds the two.
+/// [`sculpted_offsets`], or what that gave for the same hand before. A hand is known here by all
+/// that is written of its skeleton, its flesh and what binds the two.
 ///
 /// # Errors
 /// As there.

@@ -10,7 +10,8 @@ use thenar_core::model::{AngleLimit, Axis, HandModel};
 /// Largest file of joints \[bytes\].
 const BYTES_MAX: u64 = 1 << 20;
 
-/// Changes the joints of a hand as a file of `[[joint]]` tables says, which are those of a scene's `[[hand.joint]]`.
+/// Changes the joints of a hand as a file of `[[joint]]` tables says, which are those of a scene's
+/// `[[hand.joint]]`.
 ///
 /// # Errors
 /// The file cannot be read, or something in it is wrong; says what and where.
@@ -26,8 +27,8 @@ pub fn change_by_file(model: &mut HandModel, file: &Path) -> Result<(), SceneErr
 /// Changes the joints of a hand as a scene says, table after table.
 ///
 /// # Errors
-/// No joint fits a name, a joint has no such axis, or a range is empty or does not hold the rest pose, in which the
-/// hand starts.
+/// No joint fits a name, a joint has no such axis, or a range is empty or does not hold the rest
+/// pose, in which the hand starts.
 pub fn change(model: &mut HandModel, tables: &[HandJoint]) -> Result<(), Fault> {
     let Some(first) = tables.first() else { return Ok(()) };
     let anatomy = Anatomy::of(model);
@@ -73,8 +74,8 @@ fn joints_like(anatomy: &Anatomy, name: &At<JointName>) -> Result<Vec<usize>, Fa
     Ok(found)
 }
 
-/// Changes one axis. `rest` is the angle of the model's rest pose \[rad\]; `sense` is -1 where the axis's angles count
-/// the other way than the table's.
+/// Changes one axis. `rest` is the angle of the model's rest pose \[rad\]; `sense` is -1 where the
+/// axis's angles count the other way than the table's.
 fn change_axis(
     axis: &mut Axis,
     change: &HandAxis,

@@ -1,9 +1,10 @@
 //! Hands kept in a folder from one run of a program to the next.
 //!
-//! A file begins with all that its hand was made from: the program that made it, by size and CRC of its own file, the vector
-//! instructions that it ran with, the hash of the mesh's bytes, and the options. Another program, mesh or option finds
-//! another name or another beginning. What is not known is the system's mathematical library, where a program does not hold
-//! its own. What cannot be read, is damaged or cannot be written is as if it were not there: the hand is built.
+//! A file begins with all that its hand was made from: the program that made it, by size and CRC of
+//! its own file, the vector instructions that it ran with, the hash of the mesh's bytes, and the
+//! options. Another program, mesh or option finds another name or another beginning. What is not
+//! known is the system's mathematical library, where a program does not hold its own. What cannot
+//! be read, is damaged or cannot be written is as if it were not there: the hand is built.
 
 use super::hand_cache::Source;
 use std::fs::{self, File};
@@ -30,8 +31,9 @@ static FOLDER: OnceLock<PathBuf> = OnceLock::new();
 /// The running program, by its file: read when the first hand is wanted.
 static PROGRAM: LazyLock<Build> = LazyLock::new(Build::of_this_program);
 
-/// Keeps the hands that scenes build in this folder, for the next run of the program; to be called once, at its start, by a
-/// program that holds all of its code itself. Without it hands are kept in memory alone.
+/// Keeps the hands that scenes build in this folder, for the next run of the program; to be called
+/// once, at its start, by a program that holds all of its code itself. Without it hands are kept in
+/// memory alone.
 pub fn keep_hands_in(folder: PathBuf) {
     // The first folder stays.
     let _ = FOLDER.set(folder);

@@ -4,8 +4,8 @@ use crate::text::Fault;
 use thenar_core::model::Relaxation;
 use thenar_core::shape::Shape;
 
-/// Memory of a tetrahedron while it is simulated, with its share of nodes, matrices and surface \[bytes\]: balls of
-/// 20 000 to 450 000 tetrahedra take 1200 to 1510 with the exact solver.
+/// Memory of a tetrahedron while it is simulated, with its share of nodes, matrices and surface
+/// \[bytes\]: balls of 20 000 to 450 000 tetrahedra take 1200 to 1510 with the exact solver.
 pub const TET_BYTES: u64 = 1600;
 /// Memory of a triangle of a rigid body's mesh, its tree and its picture included \[bytes\].
 const TRIANGLE_BYTES: u64 = 600;
@@ -29,8 +29,9 @@ impl Memory {
         self.take(tets.saturating_mul(TET_BYTES), &format!("{tets} tetrahedra"), at)
     }
 
-    /// Takes what tetrahedra need besides to remember: their relaxation in the description, in that which settings
-    /// start from and in the model, and what has faded by each term in the state, in a copy of it and in a keyframe.
+    /// Takes what tetrahedra need besides to remember: their relaxation in the description, in that
+    /// which settings start from and in the model, and what has faded by each term in the state, in
+    /// a copy of it and in a keyframe.
     ///
     /// # Errors
     /// As [`Memory::take_tets`].

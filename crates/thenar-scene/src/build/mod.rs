@@ -87,8 +87,8 @@ pub struct Built {
     pub grips: Vec<Option<Box<GripHand>>>,
 }
 
-/// Memory that the bodies of a scene will take \[bytes\], as far as it says so itself: that of files is not
-/// counted.
+/// Memory that the bodies of a scene will take \[bytes\], as far as it says so itself: that of
+/// files is not counted.
 pub fn wanted_bytes(scene: &Scene) -> u64 {
     let softs = scene.soft.iter().filter_map(|soft| soft::tets_wanted(&soft.shape.value));
     let hands = scene.hand.iter().map(|hand| assets::tets_wanted(hand, preset(scene, hand)));

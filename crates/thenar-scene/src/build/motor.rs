@@ -51,8 +51,9 @@ impl Motor {
         }
     }
 
-    /// Leads the joint for the step that ends at time `t` \[s\]. Where spring and damper would give more than the largest
-    /// torque, by where the joint would be then if it went on as it does, they let go and that torque acts.
+    /// Leads the joint for the step that ends at time `t` \[s\]. Where spring and damper would give
+    /// more than the largest torque, by where the joint would be then if it went on as it does,
+    /// they let go and that torque acts.
     pub fn lead(&self, input: &mut Input, world: &World, t: f64) {
         let j = self.joint as usize;
         let joint = &world.desc().joints[j];
@@ -83,7 +84,8 @@ impl Motor {
         })
     }
 
-    /// A ball has no torques of its own: spring and damper are weakened until they give no more than `most`.
+    /// A ball has no torques of its own: spring and damper are weakened until they give no more
+    /// than `most`.
     fn weaken_ball(&self, target: &mut JointTarget, joint: &JointDesc, world: &World, most: f64) {
         let turn = |body: u32| world.rigid_pose(body).rotation;
         let spin = |body: u32| world.rigid_velocity(body)[1];

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use thenar_core::Quat;
 use thenar_core::model::{CouplingKind, HandHandle, HandModel, PoseOffsets, Skinning};
 
-/// Adds the offsets that the binds of soft body number `soft` name. Of several binds of a node the last counts.
+/// Adds the offsets that the binds of soft body number `soft` name. Of several binds of a node the
+/// last counts.
 pub fn of_binds(built: &mut Built, table: &Soft, mesh: &Mesh, soft: u32) -> Result<(), Fault> {
     if table.bind.iter().all(|bind| bind.pose_offset.is_empty()) {
         return Ok(());

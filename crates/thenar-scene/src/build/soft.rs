@@ -99,8 +99,8 @@ pub(super) fn tets_wanted(shape: &SoftShape) -> Option<u64> {
             let per_cell = if s.split == SplitWord::Kuhn { 6 } else { 5 };
             per_cell * s.cells.or(planes).as_ref().map_or(0, product)
         }
-        // An icosahedron's 20 triangles, each cut into frequency² prisms of three tetrahedra a layer, and
-        // tetrahedra about the centre.
+        // An icosahedron's 20 triangles, each cut into frequency² prisms of three tetrahedra a
+        // layer, and tetrahedra about the centre.
         SoftShape::Ball(s) => 20 * u64::from(s.frequency).pow(2) * (3 * u64::from(s.layers) + 1),
         SoftShape::Bread(s) => 5 * product(&assets::loaf(s).cells),
         SoftShape::Explicit(s) => s.tets.value.len() as u64,

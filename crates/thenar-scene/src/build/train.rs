@@ -7,11 +7,12 @@ use thenar_core::model::{Axis, JointDesc};
 use thenar_core::world::{Input, JointTarget};
 use thenar_rig::figure::Mimic;
 
-/// Spring of the link between a joint and one that mimics it, over that of the motor, both at the leader.
+/// Spring of the link between a joint and one that mimics it, over that of the motor, both at the
+/// leader.
 ///
-/// A load τ on one of two joints parts them by τ/(k/2 + 2 x k) for the factor x: 0.12 of what the motor gives way.
-/// Either side knows the other's angle as it was when the step began, so that the link also damps the motion of both like a
-/// damper of x k h: stiffer links slow the train down.
+/// A load τ on one of two joints parts them by τ/(k/2 + 2 x k) for the factor x: 0.12 of what the
+/// motor gives way. Either side knows the other's angle as it was when the step began, so that the
+/// link also damps the motion of both like a damper of x k h: stiffer links slow the train down.
 const LINK: f64 = 4.0;
 /// Laws less steep than this hold their joint where they say and hardly lead it.
 const FLAT: f64 = 1e-3;
@@ -93,8 +94,8 @@ impl Member {
 }
 
 impl Train {
-    /// The train of a motor and of the laws that lead from its axis to others, those between first. The world's joints get
-    /// the springs that the train needs.
+    /// The train of a motor and of the laws that lead from its axis to others, those between first.
+    /// The world's joints get the springs that the train needs.
     pub fn new(
         motor: Motor,
         axis: usize,
@@ -144,9 +145,9 @@ impl Train {
 
     /// Leads the axes for the step that ends at time `t` \[s\].
     ///
-    /// The motor's spring and damper are shared evenly, or all of its largest torque is, where they would give more. Links
-    /// pull both of their ends by what these differ, as they are when the step begins; a motor that is not at its limit
-    /// takes both along meanwhile.
+    /// The motor's spring and damper are shared evenly, or all of its largest torque is, where they
+    /// would give more. Links pull both of their ends by what these differ, as they are when the
+    /// step begins; a motor that is not at its limit takes both along meanwhile.
     pub fn lead(&self, input: &mut Input, world: &World, t: f64) {
         let goal = self.wanted(t);
         let asked = self.asked(&goal, world);
@@ -175,7 +176,8 @@ impl Train {
         self.set(input, world, 0, &leading, rate, torque / self.members.len() as f64);
     }
 
-    /// Torque about the leader's axis that all shares of the motor's spring and damper would give \[N m\].
+    /// Torque about the leader's axis that all shares of the motor's spring and damper would give
+    /// \[N m\].
     fn asked(&self, goal: &Goal, world: &World) -> f64 {
         let leader = self.members[0].seen(world).angle;
         let share = |member: &Member| {
@@ -241,7 +243,8 @@ impl Pull {
     }
 }
 
-/// The largest slope of a member's angle over the leader's range; of half a turn to both sides where that has none.
+/// The largest slope of a member's angle over the leader's range; of half a turn to both sides
+/// where that has none.
 fn steepest(member: &Member, leader: &Axis) -> f64 {
     use std::f64::consts::PI;
     let [low, high] = leader.limit.map_or([-PI, PI], |limit| [limit.min, limit.max]);

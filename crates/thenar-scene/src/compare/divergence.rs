@@ -62,8 +62,8 @@ impl Watch {
         Self { granted: 0.5 * mass * SPEED * SPEED, energy_max: inner_energy(session) }
     }
 
-    /// The divergence, if the step just done lost the scene. `other` is the largest energy of the other
-    /// solver before this step \[J\]; none where that has diverged.
+    /// The divergence, if the step just done lost the scene. `other` is the largest energy of the
+    /// other solver before this step \[J\]; none where that has diverged.
     pub fn find(&self, session: &Session, energy: f64, other: Option<f64>) -> Option<Divergence> {
         let time = session.world().time();
         if session.report().non_finite {

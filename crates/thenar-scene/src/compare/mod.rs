@@ -2,10 +2,10 @@
 //! solution of the same equations.
 //!
 //! [`Comparison`] steps two sessions of the same scene, which get the same motions and loads (and
-//! springs as joint limits, as the two-step scheme has no others), and
-//! measures after each step how far they are apart. Its [`CompareMode`] says whether each goes its own
-//! way, or both set out anew from the exact state in every step, which leaves the error of
-//! splitting alone. [`sweep`] does the latter over coupling stiffness and time step.
+//! springs as joint limits, as the two-step scheme has no others), and measures after each step how
+//! far they are apart. Its [`CompareMode`] says whether each goes its own way, or both set out anew
+//! from the exact state in every step, which leaves the error of splitting alone. [`sweep`] does
+//! the latter over coupling stiffness and time step.
 
 mod apart;
 mod bodies;

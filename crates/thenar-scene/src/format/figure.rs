@@ -39,36 +39,41 @@ impl Read for AnglesDeg {
 }
 
 table! {
-    /// One instant of a figure's motion. Joints that it does not name are interpolated from the keys around.
+    /// One instant of a figure's motion. Joints that it does not name are interpolated from the
+    /// keys around.
     pub struct FigureKey {
         /// When [s]; later than the key before.
         time: f64 where DURATION;
-        /// Position of the model's frame, world [m], where the root is scripted; left out, that of the key before.
+        /// Position of the model's frame, world [m], where the root is scripted; left out, that of
+        /// the key before.
         position: Option<Vec3> where PLACE;
-        /// Rotation of the model's frame, where the root is scripted; left out, that of the key before.
+        /// Rotation of the model's frame, where the root is scripted; left out, that of the key
+        /// before.
         rotation: Option<At<Rotation>>;
-        /// Angles of joints [degrees] by name; a `*` at its end stands for any ending, and whole names count more. 0 is the rest pose. A hinge has one
-        /// angle, a universal joint two, a ball the three components of its rotation vector in the parent's
-        /// joint frame.
+        /// Angles of joints [degrees] by name; a `*` at its end stands for any ending, and whole
+        /// names count more. 0 is the rest pose. A hinge has one angle, a universal joint two, a
+        /// ball the three components of its rotation vector in the parent's joint frame.
         joints: BTreeMap<String, At<AnglesDeg>> where ANGLE;
     }
 }
 
 table! {
-    /// Changes to joints of a figure, and their motors. Of several that fit a joint, the last one that gives a value
-    /// gives it.
+    /// Changes to joints of a figure, and their motors. Of several that fit a joint, the last one
+    /// that gives a value gives it.
     pub struct FigureJoint {
-        /// Name of the joint, or of the bone that it carries, without the figure's; a `*` at its end stands for
-        /// any ending.
+        /// Name of the joint, or of the bone that it carries, without the figure's; a `*` at its
+        /// end stands for any ending.
         name: At<String>;
-        /// Another kind: "hinge" with one of `axes`, "universal" with two, "ball" or "fixed". All joints of a skinned mesh
-        /// are balls. Only for figures that are built here.
+        /// Another kind: "hinge" with one of `axes`, "universal" with two, "ball" or "fixed". All
+        /// joints of a skinned mesh are balls. Only for figures that are built here.
         kind: Option<At<JointWord>>;
-        /// Axes in the model's frame: of a hinge one; of a universal joint the parent's and the child's, at right angles.
+        /// Axes in the model's frame: of a hinge one; of a universal joint the parent's and the
+        /// child's, at right angles.
         axes: Vec<Vec3> where PLACE;
         /// Smallest and largest value of each angle [degrees]; 0, the rest pose, lies between.
         range_deg: Vec<[f64; 2]> where HALF_TURN_DEG;
-        /// Spring of each angle [N m/rad], of a ball one, relaxed in the rest pose: the stiffness of the joint's motor.
+        /// Spring of each angle [N m/rad], of a ball one, relaxed in the rest pose: the stiffness
+        /// of the joint's motor.
         stiffness: Vec<f64> where SPRING;
         /// Damper of each angle [N m s/rad], of a ball one.
         damping: Vec<f64> where SPRING;
@@ -86,19 +91,22 @@ table! {
 }
 
 table! {
-    /// Flesh on any tree of bones: a gripper, an arm, a whole body. Its bones are rigid bodies named `figure/bone`,
-    /// its joints `figure/joint`, where `figure` is its name, which stands for its flesh.
+    /// Flesh on any tree of bones: a gripper, an arm, a whole body. Its bones are rigid bodies
+    /// named `figure/bone`, its joints `figure/joint`, where `figure` is its name, which stands for
+    /// its flesh.
     pub struct Figure {
         /// Name, unique in the scene.
         name: At<String>;
-        /// "gripper", "forearm" or "body", which come with the program, or a path, relative to the scene file: a skinned mesh
-        /// (GLB, VRM), a robot's description (URDF; MJCF in `.xml` or `.mjcf`), or a figure that was built (`.thenar`).
+        /// "gripper", "forearm" or "body", which come with the program, or a path, relative to the
+        /// scene file: a skinned mesh (GLB, VRM), a robot's description (URDF; MJCF in `.xml` or
+        /// `.mjcf`), or a figure that was built (`.thenar`).
         model: At<String>;
-        /// Name of the skinned mesh of a `.glb` or `.vrm` file that is the body, or names of several, such as body, shoes and
-        /// gloves: what they enclose together is the body then. Default: the mesh that encloses most.
+        /// Name of the skinned mesh of a `.glb` or `.vrm` file that is the body, or names of
+        /// several, such as body, shoes and gloves: what they enclose together is the body then.
+        /// Default: the mesh that encloses most.
         mesh: Option<At<MeshNames>>;
-        /// Thickness of the flesh around the bones [m], of URDF and MJCF: 5 mm is meant for "gripper", 4 mm for "forearm". A
-        /// skinned mesh has a skin of its own.
+        /// Thickness of the flesh around the bones [m], of URDF and MJCF: 5 mm is meant for
+        /// "gripper", 4 mm for "forearm". A skinned mesh has a skin of its own.
         flesh: Option<At<f64>> where THICKNESS;
         /// Factor on all lengths of the file. Default 1.
         scale: Option<At<f64>> where SCALE;
@@ -112,29 +120,31 @@ table! {
         root: RootWord = RootWord::Free;
         /// Changes to joints, and motors.
         joint: Vec<At<FigureJoint>>;
-        /// The motion that the motors of the joints follow, and a scripted root. Joints that no key names are held in the
-        /// rest pose by their springs. The figure starts as at time 0.
+        /// The motion that the motors of the joints follow, and a scripted root. Joints that no key
+        /// names are held in the rest pose by their springs. The figure starts as at time 0.
         key: Vec<At<FigureKey>>;
         /// Between keys: "smooth" (minimum jerk) or "linear". Default "smooth".
         interpolation: InterpolationWord = InterpolationWord::Smooth;
         /// Changes to the flesh.
         material: Option<HandMaterial>;
-        /// Spring between flesh and bones, per volume of bone [N/m⁴]. Default 140 E/r², E the largest Young's modulus of the
-        /// flesh and r the radius of the slimmest bone.
+        /// Spring between flesh and bones, per volume of bone [N/m⁴]. Default 140 E/r², E the
+        /// largest Young's modulus of the flesh and r the radius of the slimmest bone.
         coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
-        /// Where two bones put the flesh between them: "joint", rotations blended about the joint, or "lbs", linear blend
-        /// skinning. Default "joint".
+        /// Where two bones put the flesh between them: "joint", rotations blended about the joint,
+        /// or "lbs", linear blend skinning. Default "joint".
         skinning: SkinningWord = SkinningWord::Joint;
-        /// "patches": tetrahedra around one long edge share one evaluation of their law; "tetrahedra": each by itself.
-        /// Default "patches".
+        /// "patches": tetrahedra around one long edge share one evaluation of their law;
+        /// "tetrahedra": each by itself. Default "patches".
         elements: ElementsWord = ElementsWord::Patches;
         /// Coulomb friction coefficient of the skin; left out, the model's.
         friction: Option<f64> where FRICTION;
-        /// "solid": where flesh is crushed, other bodies touch the bones; "none": only flesh touches. Default "solid".
+        /// "solid": where flesh is crushed, other bodies touch the bones; "none": only flesh
+        /// touches. Default "solid".
         bones: BonesWord = BonesWord::Solid;
-        /// True: its surface touches itself, where bones that are not joined carry it. Default false.
+        /// True: its surface touches itself, where bones that are not joined carry it. Default
+        /// false.
         self_contact: bool = false;
         /// Colour in pictures: red, green, blue from 0 to 1.
         colour: Option<[f64; 3]> where FRACTION;

@@ -9,7 +9,8 @@ use thenar_rig::figure::SHIPPED;
 const BUILT_IN: [&str; 2] = ["right", "left"];
 
 impl Scene {
-    /// Files that bodies and motions come from, as the scene calls them: what is read beside its text when it is built.
+    /// Files that bodies and motions come from, as the scene calls them: what is read beside its
+    /// text when it is built.
     pub fn files(&self) -> BTreeSet<&str> {
         let mut found: Vec<&At<String>> = Vec::new();
         let shapes = self.rigid.iter().filter_map(|rigid| rigid.shape.as_ref());

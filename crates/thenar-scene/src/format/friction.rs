@@ -20,14 +20,15 @@ words! {
 impl SkinOnWord {
     /// Coefficients by load, as `[load [N], coefficient]`; of one row, the same at every load.
     ///
-    /// Aluminium and rubber: `μ = μ₁ N^p`, which falls by 46 % from 1 to 20 N, so `p = ln 0.54 / ln 20`
-    /// = -0.2057, with the mean of twelve people, 0.6 and 0.9, taken over the loads tried, 1, 10 and 20 N
-    /// (Seo et al. 2009). The rows at 0.5 N go on beyond what was measured. Wet glass: 0.78
-    /// with a standard deviation of 0.35 between people, of stationary sliding (Derler and Rotaru 2013);
-    /// where it sticks and slips, 0.53 with 0.21. Dry glass: the same at every load while contact
-    /// is short (Dzidek et al. 2017); its value, 0.6, is that of aluminium, smooth and impermeable as well,
-    /// for want of a table: a band of 0.3 to 1, and up to 10 times as much after some ten seconds of contact, when
-    /// sweat has softened the skin (Adams et al. 2013).
+    /// Aluminium and rubber: `μ = μ₁ N^p`, which falls by 46 % from 1 to 20 N, so
+    /// `p = ln 0.54 / ln 20` = -0.2057, with the mean of twelve people, 0.6 and 0.9, taken over the
+    /// loads tried, 1, 10 and 20 N (Seo et al. 2009). The rows at 0.5 N go on beyond what was
+    /// measured. Wet glass: 0.78 with a standard deviation of 0.35 between people, of stationary
+    /// sliding (Derler and Rotaru 2013); where it sticks and slips, 0.53 with 0.21. Dry glass: the
+    /// same at every load while contact is short (Dzidek et al. 2017); its value, 0.6, is that of
+    /// aluminium, smooth and impermeable as well, for want of a table: a band of 0.3 to 1, and up
+    /// to 10 times as much after some ten seconds of contact, when sweat has softened the skin
+    /// (Adams et al. 2013).
     pub fn points(self) -> &'static [[f64; 2]] {
         match self {
             Self::Aluminium => &[

@@ -23,12 +23,14 @@ table! {
     pub struct GripTable {
         /// The rigid or soft body, which a hook needs. Left out, the pads press against each other.
         object: Option<At<String>>;
-        /// "pinch": pads of thumb and index finger; "tripod": and of the middle finger; "power": the thumb against all
-        /// fingers; "hook": all fingers bent around a handle; "lateral": the thumb on the side of the index finger.
+        /// "pinch": pads of thumb and index finger; "tripod": and of the middle finger; "power":
+        /// the thumb against all fingers; "hook": all fingers bent around a handle; "lateral": the
+        /// thumb on the side of the index finger.
         kind: GripWord;
-        /// With which the two sides press against each other [N]: half of the sum of the normal forces of the pads. Default:
-        /// twice what keeps the object from slipping, m g / (2 friction), of a tripod 2.5 times, and more as load asks; of a hook
-        /// m g / 2; without an object 1.
+        /// With which the two sides press against each other [N]: half of the sum of the normal
+        /// forces of the pads. Default: twice what keeps the object from slipping, m g / (2
+        /// friction), of a tripod 2.5 times, and more as load asks; of a hook m g / 2; without an
+        /// object 1.
         force: Option<f64> where GRIP_FORCE;
         /// When the fingers set out [s].
         at: f64 where DURATION;

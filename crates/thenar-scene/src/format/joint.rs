@@ -59,8 +59,9 @@ table! {
         limits: At<Vec<[f64; 2]>> where ANGLE = At::none();
         /// Spring of each angle [N m/rad]; of a ball joint one value. Default zero.
         stiffness: At<Vec<f64>> where SPRING = At::none();
-        /// Angles at which the springs are relaxed [rad]. Default zero. An axis without limits is held by its
-        /// spring the shorter way round, whole turns apart alike; one with limits as far as the angle says.
+        /// Angles at which the springs are relaxed [rad]. Default zero. An axis without limits is
+        /// held by its spring the shorter way round, whole turns apart alike; one with limits as
+        /// far as the angle says.
         rest_angles: At<Vec<f64>> where ANGLE = At::none();
         /// Damper of each angle [N m s/rad]. Default zero.
         damping: At<Vec<f64>> where SPRING = At::none();

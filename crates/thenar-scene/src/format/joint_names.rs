@@ -1,5 +1,5 @@
-//! Names of a hand's joints, which the schema lists: those of all hands that are built from a mesh. Hands from model files
-//! may have others.
+//! Names of a hand's joints, which the schema lists: those of all hands that are built from a mesh.
+//! Hands from model files may have others.
 
 use super::JointAngles;
 use crate::text::{Cx, Defs, Fault, Node, Read};

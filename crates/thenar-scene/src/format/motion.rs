@@ -114,9 +114,10 @@ table! {
         curl: Option<CurlTable>;
         /// Single joints, by the name of the joint or of the bone it carries.
         joints: NamedJoints;
-        /// Where fingertips are at that time, with the wrist where it is then: digits bend, near to the shape that the keys above give
-        /// them, until the middle of each pad is there. Between keys their joints turn evenly. A place that is out of reach is an
-        /// angle out of range: see `limits`.
+        /// Where fingertips are at that time, with the wrist where it is then: digits bend, near to
+        /// the shape that the keys above give them, until the middle of each pad is there. Between
+        /// keys their joints turn evenly. A place that is out of reach is an angle out of range:
+        /// see `limits`.
         tips: Option<TipsTable>;
     }
 }

@@ -232,22 +232,24 @@ choice! {
         "volume" => Volume(ProbeBody),
         /// Stress of elements [Pa].
         "stress" => Stress(StressProbe),
-        /// Contact of two bodies: resultant force [N], area [m²], centre of pressure [m], penetration [m],
-        /// largest pressure [Pa], mean slip speed [m/s], slip (the part of the load on sliding points,
-        /// and the state that most of it is in: 0 open, 1 sticks, 2 slips), sums of the sizes of normal
-        /// forces and of friction [N], mean pressure [Pa]. What a hand's bones bear counts, except in
-        /// area and pressure, which are those of the skin.
+        /// Contact of two bodies: resultant force [N], area [m²], centre of pressure [m],
+        /// penetration [m], largest pressure [Pa], mean slip speed [m/s], slip (the part of the
+        /// load on sliding points, and the state that most of it is in: 0 open, 1 sticks, 2 slips),
+        /// sums of the sizes of normal forces and of friction [N], mean pressure [Pa]. What a
+        /// hand's bones bear counts, except in area and pressure, which are those of the skin.
         "contact" => Contact(ContactProbe),
         /// Force [N] and torque about its centre of mass [N m] on a body by all its contacts.
         "contact-force" => ContactForce(ProbeBody),
         /// Pressure, force or slip at each vertex of a surface.
         "vertices" => Vertices(VerticesProbe),
-        /// Normal and shear force [N], contact area [m²] and mean pressure [Pa] of each finger of a hand.
+        /// Normal and shear force [N], contact area [m²] and mean pressure [Pa] of each finger of a
+        /// hand.
         "fingers" => Fingers(ProbeHand),
-        /// All of one finger: force [N], normal and shear force [N], torque about the fingertip (the
-        /// centre of mass of its last bone) [N m], centre of pressure [m], area [m²], largest pressure
-        /// [Pa], slip as of "contact", what flesh puts on its bones: force [N] and torque about the
-        /// fingertip [N m]; the sum of the sizes of friction [N] and the mean pressure [Pa].
+        /// All of one finger: force [N], normal and shear force [N], torque about the fingertip
+        /// (the centre of mass of its last bone) [N m], centre of pressure [m], area [m²], largest
+        /// pressure [Pa], slip as of "contact", what flesh puts on its bones: force [N] and torque
+        /// about the fingertip [N m]; the sum of the sizes of friction [N] and the mean pressure
+        /// [Pa].
         "finger" => Finger(FingerProbe),
         /// Force [N] and torque [N m] that flesh puts on a rigid body inside it.
         "bone-force" => BoneForce(ProbeBody),

@@ -60,9 +60,10 @@ table! {
 }
 
 table! {
-    /// Several shapes as one rigid body. Its mass is that of the parts, each weighed for itself: where
-    /// they overlap, twice. As with a mesh, `position`, `rotation` and `keyframes` place the frame
-    /// that the parts are given in; the body's own frame has its origin at the centre of mass.
+    /// Several shapes as one rigid body. Its mass is that of the parts, each weighed for itself:
+    /// where they overlap, twice. As with a mesh, `position`, `rotation` and `keyframes` place the
+    /// frame that the parts are given in; the body's own frame has its origin at the centre of
+    /// mass.
     pub struct CompoundShape {
         /// At least one.
         parts: Vec<At<CompoundPart>>;
@@ -94,9 +95,9 @@ table! {
 }
 
 table! {
-    /// A triangle mesh from a file (GLB, OBJ, STL, PLY, OFF). It may be open or of many parts: inside is
-    /// where the generalised winding number is at least ½; a mesh without inside becomes a shell.
-    /// Or a model file (`.thenar`) of a rigid body, which has its own mass.
+    /// A triangle mesh from a file (GLB, OBJ, STL, PLY, OFF). It may be open or of many parts:
+    /// inside is where the generalised winding number is at least ½; a mesh without inside becomes
+    /// a shell. Or a model file (`.thenar`) of a rigid body, which has its own mass.
     pub struct MeshShape {
         /// Path, relative to the scene file.
         file: At<String>;
@@ -147,8 +148,8 @@ words! {
 
 table! {
     /// A rigid body. Its frame has its origin at the centre of mass. Of a mesh, car or compound,
-    /// `position`, `rotation` and `keyframes` place the frame of the file or of the parts instead; everything else,
-    /// probes too, uses the centre of mass.
+    /// `position`, `rotation` and `keyframes` place the frame of the file or of the parts instead;
+    /// everything else, probes too, uses the centre of mass.
     pub struct Rigid {
         /// Name, unique in the scene.
         name: At<String>;

@@ -19,7 +19,8 @@ table! {
         time_step: f64 where TIME_STEP = 1e-3;
         /// Simulated time of a run [s]. Default 1.
         duration: f64 where DURATION = 1.0;
-        /// Time between rows of the probe table [s]; rows fall on the nearest step. Default: every step.
+        /// Time between rows of the probe table [s]; rows fall on the nearest step. Default: every
+        /// step.
         probe_interval: Option<f64> where DURATION;
         /// Solver settings.
         solver: Option<SolverTable>;
@@ -55,8 +56,8 @@ table! {
         friction: Option<PairFriction> where FRICTION;
         /// Instead of `friction`: coefficients that depend on load, as [load [N], coefficient], by
         /// rising load; straight lines between, constant outside. The load is the sum of the normal
-        /// forces of the whole patch in the step before: between the two bodies, or, of a hand, between
-        /// one finger (or the palm) and the other body.
+        /// forces of the whole patch in the step before: between the two bodies, or, of a hand,
+        /// between one finger (or the palm) and the other body.
         friction_by_load: Option<At<Vec<[f64; 2]>>> where PRESSING;
         /// False lets the two pass through each other. Default true.
         contact: bool = true;

@@ -55,8 +55,9 @@ table! {
 }
 
 table! {
-    /// A closed triangle mesh from a file (GLB, OBJ, STL, PLY, OFF), embedded in tetrahedra; or a model
-    /// file (`.thenar`) of a soft body, with its own materials, such as `thenar build --soft` makes of a mesh with holes.
+    /// A closed triangle mesh from a file (GLB, OBJ, STL, PLY, OFF), embedded in tetrahedra; or a
+    /// model file (`.thenar`) of a soft body, with its own materials, such as `thenar build --soft`
+    /// makes of a mesh with holes.
     pub struct MeshSoftShape {
         /// Path, relative to the scene file.
         file: At<String>;
@@ -126,7 +127,8 @@ words! {
         "neo-hookean" => NeoHookean,
         /// Neo-Hookean that stays finite when an element inverts.
         "stable-neo-hookean" => StableNeoHookean,
-        /// Ogden's of one term, 2μ/α² (Σσ^α − 3) where volume is kept; stays finite when an element inverts.
+        /// Ogden's of one term, 2μ/α² (Σσ^α − 3) where volume is kept; stays finite when an element
+        /// inverts.
         "ogden" => Ogden,
     }
 }
@@ -134,10 +136,11 @@ words! {
 table! {
     /// A material; what is left out keeps the value of the body's material, or the default.
     pub struct MaterialTable {
-        /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": law, modulus and Poisson's ratio, on which the keys
-        /// below act.
+        /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": law, modulus and Poisson's ratio,
+        /// on which the keys below act.
         tissue: Option<At<TissueWord>>;
-        /// "corotational" (default), "neo-hookean" (default of bread), "stable-neo-hookean" or "ogden".
+        /// "corotational" (default), "neo-hookean" (default of bread), "stable-neo-hookean" or
+        /// "ogden".
         law: Option<At<LawWord>>;
         /// Exponent of Ogden's law, which it needs; pulp and skin have 6 to 11.
         alpha: Option<At<f64>> where OGDEN;
@@ -149,8 +152,9 @@ table! {
         poisson: Option<f64> where POISSON;
         /// Density [kg/m³]. Default 1000; of bread 250.
         density: Option<f64> where DENSITY;
-        /// Memory: [part, time in s] of up to 4 exponentials by which the stress of a held strain fades; parts sum
-        /// to less than 1. Moduli are those at once. Elements with memory have no `stiffness_damping`. Default [].
+        /// Memory: [part, time in s] of up to 4 exponentials by which the stress of a held strain
+        /// fades; parts sum to less than 1. Moduli are those at once. Elements with memory have no
+        /// `stiffness_damping`. Default [].
         relaxation: Option<At<Terms>> where POSITIVE;
     }
 }
@@ -204,8 +208,8 @@ table! {
         stiffness: Option<f64> where SPRING;
         /// Spring of each node [N/m].
         node_stiffness: Option<f64> where SPRING;
-        /// Offsets of these nodes' places by the pose of the joint between two bones: interpolated between poses, zero at rest.
-        /// Far from all poses they fade.
+        /// Offsets of these nodes' places by the pose of the joint between two bones: interpolated
+        /// between poses, zero at rest. Far from all poses they fade.
         pose_offset: Vec<At<PoseOffsetTable>>;
     }
 }
@@ -256,8 +260,9 @@ table! {
         region: Vec<Region>;
         /// Skin on the surface.
         skin: Option<At<SkinTable>>;
-        /// "tetrahedra": each by itself; "patches": those around one long edge share one evaluation of their
-        /// law, which a coarse or hardly compressible mesh needs to bend as it should. Default "tetrahedra".
+        /// "tetrahedra": each by itself; "patches": those around one long edge share one evaluation
+        /// of their law, which a coarse or hardly compressible mesh needs to bend as it should.
+        /// Default "tetrahedra".
         elements: ElementsWord = ElementsWord::Tetrahedra;
         /// Rayleigh damping: part of the mass matrix [1/s]. Default 0; of bread 0.5.
         mass_damping: Option<f64> where SPRING;
@@ -277,13 +282,13 @@ table! {
         bind: Vec<Bind>;
         /// Damping time of these bonds: damper = time × spring [s]. Default 0.001.
         bind_damping_time: f64 where SPRING = 1e-3;
-        /// Where two bones put a node that both carry: "lbs", linear blend skinning; "joint", rotations blended about the
-        /// joint between them, which they must have. Default "lbs".
+        /// Where two bones put a node that both carry: "lbs", linear blend skinning; "joint",
+        /// rotations blended about the joint between them, which they must have. Default "lbs".
         skinning: SkinningWord = SkinningWord::Lbs;
         /// False makes the body touch nothing. Default true.
         contact: bool = true;
-        /// True: its surface touches itself, for bodies that fold. Skin on skin has its `friction`, or
-        /// that of a pair of the body with itself. Default false.
+        /// True: its surface touches itself, for bodies that fold. Skin on skin has its `friction`,
+        /// or that of a pair of the body with itself. Default false.
         self_contact: bool = false;
         /// Coulomb friction coefficient. Default 0.5.
         friction: f64 where FRICTION = 0.5;

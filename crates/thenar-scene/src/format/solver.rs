@@ -53,14 +53,14 @@ table! {
         velocity_tolerance: Option<f64> where TOLERANCE;
         /// Friction cone: "circular" (default) or "linearised".
         cone: Option<ConeWord>;
-        /// Joint limits: "rows" (default; bounds that no load passes, in one system with contact) or
-        /// "springs" (`limit_stiffness` and `limit_damping` of the joint; always so with the two-step
-        /// solver).
+        /// Joint limits: "rows" (default; bounds that no load passes, in one system with contact)
+        /// or "springs" (`limit_stiffness` and `limit_damping` of the joint; always so with the
+        /// two-step solver).
         limits: Option<JointLimitsWord>;
         /// Flesh in step 1: "lumped" (default) or "frozen" (the paper's).
         step1_flesh: Option<FleshWord>;
-        /// Close the joints once more at the end of each step: default true with lumped flesh; false
-        /// with frozen flesh, as in the paper, which leaves that to the next step.
+        /// Close the joints once more at the end of each step: default true with lumped flesh;
+        /// false with frozen flesh, as in the paper, which leaves that to the next step.
         close_joints: Option<bool>;
         /// Two-step: conjugate gradients stop at this residual relative to the right-hand side.
         /// Default 1e-5.
@@ -71,17 +71,19 @@ table! {
         contact_tolerance: Option<f64> where TOLERANCE;
         /// Most sweeps of either solver over the contacts. Default 200.
         contact_sweeps_max: Option<u32> where ITERATIONS;
-        /// Largest number of multiply-adds that the exact solver spends on the law of contact in a step; then it makes its
-        /// last sweeps and reports the error that is left. A processor core does some 4e9 a second. Default: no bound in
-        /// `thenar run`; what a core does in one `time_step` where a scene runs live (`thenar serve`, `thenar touch`).
+        /// Largest number of multiply-adds that the exact solver spends on the law of contact in a
+        /// step; then it makes its last sweeps and reports the error that is left. A processor core
+        /// does some 4e9 a second. Default: no bound in `thenar run`; what a core does in one
+        /// `time_step` where a scene runs live (`thenar serve`, `thenar touch`).
         contact_work_max: Option<f64> where WORK;
         /// Gauss-Seidel passes over the contacts within one sweep. Default 2.
         contact_inner_passes: Option<u32> where ITERATIONS;
         /// Points nearer than this become constraints before they touch [m]. Default 0.001.
         contact_margin: Option<f64> where MARGIN;
-        /// A step that contact does not carry through (an overlap grows in it by half the margin, or the exact solver is
-        /// off by a hundred tolerances) is made in halves, and these again, at most this number of times. Zero
-        /// never divides a step, which bounds its cost. Default 5.
+        /// A step that contact does not carry through (an overlap grows in it by half the margin,
+        /// or the exact solver is off by a hundred tolerances) is made in halves, and these again,
+        /// at most this number of times. Zero never divides a step, which bounds its cost.
+        /// Default 5.
         step_halvings_max: Option<u32> where HALVINGS;
     }
 }

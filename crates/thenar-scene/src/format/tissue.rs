@@ -15,7 +15,8 @@ words! {
         "subcutis" => Subcutis,
         /// 50 kPa, 0.4: a fingertip as one material (touchSim, Saal et al. 2017).
         "pulp" => Pulp,
-        /// Ogden's law, 35.3 kPa in shear and exponent 8.5, 0.48: superficial flexor tendons pressed across.
+        /// Ogden's law, 35.3 kPa in shear and exponent 8.5, 0.48: superficial flexor tendons
+        /// pressed across.
         "tendon" => Tendon,
     }
 }
@@ -47,16 +48,19 @@ words! {
 }
 
 table! {
-    /// Flesh between two depths under the skin; what is left out keeps the value of the hand's material.
+    /// Flesh between two depths under the skin; what is left out keeps the value of the hand's
+    /// material.
     pub struct HandLayer {
         /// Where. Default "all".
         region: HandRegionWord = HandRegionWord::All;
-        /// From and to [m]: 0 is the skin. An element that holds several layers has their mean by volume.
+        /// From and to [m]: 0 is the skin. An element that holds several layers has their mean by
+        /// volume.
         depth: [f64; 2] where DEPTH;
-        /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": its law, modulus and Poisson's ratio.
+        /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": its law, modulus and Poisson's
+        /// ratio.
         tissue: Option<At<TissueWord>>;
-        /// "corotational", "neo-hookean", "stable-neo-hookean" or "ogden". An element has the law of the larger part
-        /// of its stiffness.
+        /// "corotational", "neo-hookean", "stable-neo-hookean" or "ogden". An element has the law
+        /// of the larger part of its stiffness.
         law: Option<At<LawWord>>;
         /// Exponent of Ogden's law, which it needs.
         alpha: Option<At<f64>> where OGDEN;
@@ -76,21 +80,24 @@ table! {
         young: f64 where YOUNG;
         /// Poisson's ratio. Default 0.48.
         poisson: f64 where POISSON = 0.48;
-        /// Tension at rest along every direction [N/m]; flesh under it is pressed together until the two balance.
-        /// Default 0.
+        /// Tension at rest along every direction [N/m]; flesh under it is pressed together until
+        /// the two balance. Default 0.
         pretension: f64 where TENSION = 0.0;
-        /// Strain at which compressed skin wrinkles and resists no more. Default 0.21; 0 resists tension alone.
+        /// Strain at which compressed skin wrinkles and resists no more. Default 0.21; 0 resists
+        /// tension alone.
         wrinkling: f64 where STRAIN = Sheet::WRINKLING;
     }
 }
 
 table! {
-    /// Nails: plates on the backs of the last bones, tied to them by their beds where flesh hangs on bone.
+    /// Nails: plates on the backs of the last bones, tied to them by their beds where flesh hangs
+    /// on bone.
     pub struct NailTable {
         /// Thickness [m]. Default 0.0005.
         thickness: f64 where THICKNESS = 5e-4;
-        /// Young's modulus [Pa]. Default 2e6: a sheet of 1 kN/m, far stiffer than flesh at any mesh, while nails as stiff
-        /// as people's, thousands of times more, shorten steps for nothing, since their beds hold them.
+        /// Young's modulus [Pa]. Default 2e6: a sheet of 1 kN/m, far stiffer than flesh at any
+        /// mesh, while nails as stiff as people's, thousands of times more, shorten steps for
+        /// nothing, since their beds hold them.
         young: f64 where YOUNG = 2e6;
         /// Poisson's ratio. Default 0.3.
         poisson: f64 where POISSON = 0.3;

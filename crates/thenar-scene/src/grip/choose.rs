@@ -1,10 +1,12 @@
 //! Where pads go on an object: opposed places of its surface, near where the hand has its pads.
 //!
-//! Every sample of the surface is a place for the base's pad: a line goes in there along the inward normal, and where it
-//! leaves again the fingers are to press. Such pairs are ranked by how far they are from the pads of the hand at that width
-//! (see [`Opposition`]), how their line lies to the pads' own, how far the second normal is off the line, how far the
-//! line passes the middle of the object, and by how long a lever weight turns it about the line. The best few are reached for
-//! by inverse kinematics, with the palm where it is or a little aside, and the one that is reached best is taken.
+//! Every sample of the surface is a place for the base's pad: a line goes in there along the inward
+//! normal, and where it leaves again the fingers are to press. Such pairs are ranked by how far
+//! they are from the pads of the hand at that width (see [`Opposition`]), how their line lies to
+//! the pads' own, how far the second normal is off the line, how far the line passes the middle of
+//! the object, and by how long a lever weight turns it about the line. The best few are reached for
+//! by inverse kinematics, with the palm where it is or a little aside, and the one that is reached
+//! best is taken.
 
 use super::crowd::crowded;
 use super::kind::GripKind;
@@ -36,8 +38,8 @@ const SLANT_MIN: f64 = 0.7;
 const SLIPS: f64 = 1.0;
 /// What a finger reached for counts beside where it is wanted.
 const MISS: f64 = 16.0;
-/// How far the palm goes aside at most, so that pads get to their places \[m\]: a finger and a half; farther off, a hand is
-/// not yet where it is to grip.
+/// How far the palm goes aside at most, so that pads get to their places \[m\]: a finger and a
+/// half; farther off, a hand is not yet where it is to grip.
 const SHIFT_MAX: f64 = 0.03;
 /// How far down of that \[m\]: what an object lies on is below.
 const DOWN_MAX: f64 = 0.5 * REACH;
@@ -47,15 +49,18 @@ const SHIFT_MIN: f64 = 0.25 * REACH;
 const SHIFT: f64 = 0.25 * MISS;
 /// Times that the palm is put aside by what pads lack.
 const SHIFTS: usize = 4;
-/// Weight of the lever by which gravity turns an object in its pads: more than that of a pad that ends as far from its
-/// place, for which closing makes up, while friction of a pad holds a lever of a few millimetres only. Found by
-/// trial: with that of a pad, an egg 4 mm farther off and an ellipsoid in a pinch fell; with this they were held.
+/// Weight of the lever by which gravity turns an object in its pads: more than that of a pad that
+/// ends as far from its place, for which closing makes up, while friction of a pad holds a lever of
+/// a few millimetres only. Found by trial: with that of a pad, an egg 4 mm farther off and an
+/// ellipsoid in a pinch fell; with this they were held.
 const LEVER: f64 = 2.5 * MISS;
-/// A longer lever is as good as any \[m\]: long things are held where the hand is, and by two hands.
+/// A longer lever is as good as any \[m\]: long things are held where the hand is, and by two
+/// hands.
 const LEVER_MAX: f64 = 0.5 * SHIFT_MAX;
 /// What the way from the middle of the object to the line counts.
 const ASIDE: f64 = 0.5;
-/// A pad that ends farther than this from its place is out of reach \[m\]: what fingers that close do not make up.
+/// A pad that ends farther than this from its place is out of reach \[m\]: what fingers that close
+/// do not make up.
 pub const REACH: f64 = 0.012;
 /// What the way counts that a bone before a pad lacks: it keeps the pad off its place.
 const CROWD: f64 = 4.0 * MISS;
@@ -63,13 +68,13 @@ const CROWD: f64 = 4.0 * MISS;
 const CROWD_MIN: f64 = 0.5e-3;
 /// A pad needs so much room before its place \[m\]: half of a pad's thickness.
 const ROOM: f64 = 4e-3;
-/// Bones before a pad come near to things wider than this \[m\], which is as thick as a finger: pads close on thinner ones
-/// before them.
+/// Bones before a pad come near to things wider than this \[m\], which is as thick as a finger:
+/// pads close on thinner ones before them.
 const THICK: f64 = 16e-3;
 /// Object wider than this part of what pads span: where one ends out of reach, that is why.
 const WIDE: f64 = 0.85;
-/// A finger beside another has a place of its own where the surface goes on: no farther off than this, as part of the
-/// distance of fingers, with a normal within 60° of the line's.
+/// A finger beside another has a place of its own where the surface goes on: no farther off than
+/// this, as part of the distance of fingers, with a normal within 60° of the line's.
 const BESIDE: f64 = 0.6;
 
 /// Turns of the row of fingers that are tried \[degrees\]: along a thing that is too narrow across.
@@ -136,7 +141,8 @@ pub fn choose(
         BodyId::Soft(_) => true,
     };
     let down = gravity.try_normalize(1e-9).filter(|_| falls).unwrap_or_else(Vec3::zeros);
-    // Two pads hold what lies between them when the line from one to the other is within both cones of friction.
+    // Two pads hold what lies between them when the line from one to the other is within both cones
+    // of friction.
     let least = 1.0 / (1.0 + friction * friction).sqrt();
     // Two fingers beside each other do not bear alike on a slope; one turns with what it holds.
     let aslant = if opposition.kind == GripKind::Tripod { SLOPE * SLOPE } else { 0.0 };
@@ -178,7 +184,8 @@ pub fn choose(
     }
 }
 
-/// Places where pads meet when nothing is between them: they move with the palm, which is this body.
+/// Places where pads meet when nothing is between them: they move with the palm, which is this
+/// body.
 pub fn each_other(opposition: &Opposition, palm: u32) -> Choice {
     let span = opposition.at(0.0);
     let mut choice = Choice { angles: span.angles, ..Choice::none() };
@@ -202,8 +209,8 @@ fn rank(base: &Vec3, fingers: &Sample, way: &Vec3, span: &Span, palm: &Pose, cen
     off + TILT * TILT * tilt + SLANT * SLANT * slant + ASIDE * aside
 }
 
-/// Lever of gravity on an object held along the line `way` by two pads, one of which is `arm` from its middle \[m\]; at most
-/// `LEVER_MAX`.
+/// Lever of gravity on an object held along the line `way` by two pads, one of which is `arm` from
+/// its middle \[m\]; at most `LEVER_MAX`.
 fn lever(arm: &Vec3, down: &Vec3, way: &Vec3) -> f64 {
     (arm - way * arm.dot(way)).cross(down).norm().min(LEVER_MAX)
 }
@@ -218,8 +225,8 @@ fn is_covered(world: &World, object: BodyId, place: &Sample) -> bool {
         .any(|body| body != object && clearance(world, body, &skin) < 0.0)
 }
 
-/// How far a line is from level and from upright, 1/4 at half way: what a round thing's weight lacks on one side there, it
-/// has too much on the other.
+/// How far a line is from level and from upright, 1/4 at half way: what a round thing's weight
+/// lacks on one side there, it has too much on the other.
 fn slope(down: &Vec3, way: &Vec3) -> f64 {
     let steep = way.dot(down).powi(2);
     steep * (1.0 - steep)
@@ -234,8 +241,8 @@ fn keep(best: &mut Vec<Pair>, pair: Pair) {
     }
 }
 
-/// Reaches for a pair with all pads, from where the palm is or, when pads lack something there, from beside it; the cost of
-/// what is reached \[m²\].
+/// Reaches for a pair with all pads, from where the palm is or, when pads lack something there,
+/// from beside it; the cost of what is reached \[m²\].
 fn reach_for(
     opposition: &Opposition,
     world: &World,
@@ -268,8 +275,8 @@ fn reach_for(
     (least, choice)
 }
 
-/// Reaches for a pair from a place of the palm: cost \[m²\], choice, and in the palm's frame what pads lack in the mean and
-/// what bones before them lack at most \[m\].
+/// Reaches for a pair from a place of the palm: cost \[m²\], choice, and in the palm's frame what
+/// pads lack in the mean and what bones before them lack at most \[m\].
 fn reach_from(
     opposition: &Opposition,
     world: &World,
@@ -316,7 +323,8 @@ fn reach_from(
     (cost, choice, [lack_P / f64::max(count, 1.0), crowd_P])
 }
 
-/// Places of the fingers beside each other, as the hand has them or turned about the line, so that most find one.
+/// Places of the fingers beside each other, as the hand has them or turned about the line, so that
+/// most find one.
 fn side_by_side(
     opposition: &Opposition,
     world: &World,

@@ -1,16 +1,16 @@
 //! Bones of a finger that come too near to what its pad is to touch.
 //!
-//! Inverse kinematics knows the pad alone. A finger that reaches around a thing may have a bone before the pad on it first, as
-//! one whose hand is too low over a ball has: it then bears on the top of the ball, gives that up when the hand rises, and
-//! the other fingers hold the ball askew.
+//! Inverse kinematics knows the pad alone. A finger that reaches around a thing may have a bone
+//! before the pad on it first, as one whose hand is too low over a ball has: it then bears on the
+//! top of the ball, gives that up when the hand rises, and the other fingers hold the ball askew.
 
 use super::surface::{clearance, nearest};
 use thenar_core::model::{BodyId, HandModel};
 use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, palmar_pad};
 
-/// Skin of other bones is to be so far from the object when the pad touches \[m\]: pads give way by that where they press
-/// with 1 N.
+/// Skin of other bones is to be so far from the object when the pad touches \[m\]: pads give way by
+/// that where they press with 1 N.
 const ROOM: f64 = 1.5e-3;
 /// Places along a bone at which its way to the object is taken.
 const PLACES: usize = 3;
@@ -33,7 +33,8 @@ pub fn links(hand: &HandModel, chain: &Chain) -> Vec<Link> {
     before.filter_map(link).collect()
 }
 
-/// Way that the bone which comes nearest to a rigid object is to go to leave room for the pad, in the palm's frame \[m\].
+/// Way that the bone which comes nearest to a rigid object is to go to leave room for the pad, in
+/// the palm's frame \[m\].
 pub fn crowded(
     links: &[Link],
     chain: &Chain,

@@ -11,12 +11,13 @@ use thenar_core::{Vec3, World};
 pub enum Against {
     /// A body.
     Object(BodyId),
-    /// The digits on the other side of a grip of this kind: fingers beside each other that touch do not press.
+    /// The digits on the other side of a grip of this kind: fingers beside each other that touch do
+    /// not press.
     OtherSide(GripKind),
 }
 
-/// Sum of the normal forces between each digit (palm, thumb, index, middle, ring, little) and what it grips, on skin and on
-/// bones where flesh is crushed, in the last step \[N\].
+/// Sum of the normal forces between each digit (palm, thumb, index, middle, ring, little) and what
+/// it grips, on skin and on bones where flesh is crushed, in the last step \[N\].
 pub fn felt(world: &World, hand: &BuiltHand, against: Against) -> [f64; 6] {
     let mut felt = [0.0; 6];
     touches(world, hand, against, |part, contact, _| {
@@ -25,9 +26,9 @@ pub fn felt(world: &World, hand: &BuiltHand, against: Against) -> [f64; 6] {
     felt
 }
 
-/// How much of what friction can give the digits `own` of a side use together: pull and twist over the most of each, as the
-/// two half axes of an ellipse [Howe and Cutkosky 1996]; 1 where they slip. Forces within a pad that cancel count for
-/// nothing. Zero of digits that touch nothing.
+/// How much of what friction can give the digits `own` of a side use together: pull and twist over
+/// the most of each, as the two half axes of an ellipse [Howe and Cutkosky 1996]; 1 where they
+/// slip. Forces within a pad that cancel count for nothing. Zero of digits that touch nothing.
 pub fn friction_used(world: &World, hand: &BuiltHand, against: Against, own: [bool; 6]) -> f64 {
     let (mut centre, mut normal_W, mut load) = (Vec3::zeros(), Vec3::zeros(), 0.0);
     touches(world, hand, against, |part, contact, sign| {
@@ -57,8 +58,8 @@ pub fn friction_used(world: &World, hand: &BuiltHand, against: Against, own: [bo
     part(pull_W.norm(), most[0]).hypot(part(twist.abs(), most[1])).min(1.0)
 }
 
-/// Contacts of a hand's digits with what they grip: the number of the digit, the contact, and the sign that
-/// makes its force that on the digit.
+/// Contacts of a hand's digits with what they grip: the number of the digit, the contact, and the
+/// sign that makes its force that on the digit.
 fn touches(
     world: &World,
     hand: &BuiltHand,

@@ -6,10 +6,11 @@
 //!  before the surface  each touches          u by the force felt     script
 //! ```
 //!
-//! Pads follow places of the object until they touch, and the palm from then on: an object that is held moves with the
-//! hand and is held by the drives' springs, not followed where it slips. The depth `u` of all pads together answers to
-//! force, and a finger that bears next to nothing goes farther in: one loop for each pad would let an object wander that its
-//! weight presses on one side.
+//! Pads follow places of the object until they touch, and the palm from then on: an object that is
+//! held moves with the hand and is held by the drives' springs, not followed where it slips. The
+//! depth `u` of all pads together answers to force, and a finger that bears next to nothing goes
+//! farther in: one loop for each pad would let an object wander that its weight presses on one
+//! side.
 
 use super::choose::{Choice, Scratch, choose, each_other};
 use super::felt::{Against, felt, friction_used};
@@ -31,17 +32,20 @@ use thenar_core::world::Target;
 use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
 
-/// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.
+/// How far before the surface pads gather \[m\]: they clear what they go around, and are there a
+/// fifth of a second later.
 const BEFORE: f64 = 12e-3;
 /// Skin of a hook this near to the handle is on it \[m\]: contacts begin there.
 const TOUCHES: f64 = 1e-3;
-/// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with `v √(k m)` = 0.1 N.
+/// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with
+/// `v √(k m)` = 0.1 N.
 const CLOSING: f64 = 0.04;
 /// How far behind the surface they look for it \[m\].
 const BEHIND: f64 = 8e-3;
 /// How fast targets make up for what pads lack \[1/s\], and by how much at most \[m\].
 const LEAD: (f64, f64) = (8.0, 0.015);
-/// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]: a reach takes half a second.
+/// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]:
+/// a reach takes half a second.
 const FOLLOW: (f64, f64) = (4.0, 4.0);
 /// Frequency \[Hz\] and fastest rate \[m/s\] of a palm that goes aside: half as fast as joints.
 const ASIDE: (f64, f64) = (2.0, 0.15);
@@ -84,7 +88,8 @@ pub struct GripState {
     pub order: Order,
     /// Present phase of the grip.
     pub phase: Phase,
-    /// Force of the two sides against each other \[N\]: half of the sum of the normal forces of the pads.
+    /// Force of the two sides against each other \[N\]: half of the sum of the normal forces of the
+    /// pads.
     pub force: f64,
     /// What is amiss.
     pub trouble: Option<Trouble>,
@@ -187,9 +192,9 @@ impl GripHand {
         order.map(|order| GripState { order, phase: *phase, force: *force, trouble: *trouble })
     }
 
-    /// Moves on by a step of `h` that ends at time `t` \[s\]: `targets`, which scripts and poses have filled, become those of
-    /// the grip where digits take part in it. A hand that is not `scripted` but moved live leaves the scene's grips to
-    /// who moves it.
+    /// Moves on by a step of `h` that ends at time `t` \[s\]: `targets`, which scripts and poses
+    /// have filled, become those of the grip where digits take part in it. A hand that is not
+    /// `scripted` but moved live leaves the scene's grips to who moves it.
     pub fn step(
         &mut self,
         world: &World,
@@ -244,7 +249,8 @@ impl GripHand {
         (reflex.aside_P, reflex.shift_P) = (Vec3::zeros(), [Vec3::zeros(); 2]);
     }
 
-    /// Moves the palm, and the hand with it, to where pads reach their places, and back when the grip is over.
+    /// Moves the palm, and the hand with it, to where pads reach their places, and back when the
+    /// grip is over.
     fn go_aside(&mut self, h: f64, targets: &mut [Option<Target>]) {
         let GripMemory { order, phase, since, reflex, .. } = &mut self.memory;
         // Fingers that hold take the object with them: they open first.
@@ -387,7 +393,8 @@ impl GripHand {
         around.choose(choice)
     }
 
-    /// Pads go to their places, then in until they touch; fingers of a hook bend around what they are to carry.
+    /// Pads go to their places, then in until they touch; fingers of a hook bend around what they
+    /// are to carry.
     fn reach(
         &mut self,
         opposition: &Opposition,
@@ -644,8 +651,8 @@ fn turn_to(kept: &mut PadMemory, h: f64) {
     }
 }
 
-/// A bound of the stiffness with which the thumb, or of a hook all fingers, are pushed \[N/m\]: all bones as far as the
-/// pads, and turned as if each were a lever of [`LEVER`].
+/// A bound of the stiffness with which the thumb, or of a hook all fingers, are pushed \[N/m\]: all
+/// bones as far as the pads, and turned as if each were a lever of [`LEVER`].
 fn stiffness(opposition: &Opposition, world: &World, hand: &BuiltHand) -> f64 {
     let drive = |bone: &usize| {
         let drive = world.desc().drives[hand.handle.bones.start as usize + bone];

@@ -6,9 +6,10 @@
 //!           o___| last bone   2. all three tighten until the force is there that was asked for
 //! ```
 //!
-//! No pad is brought to a place: fingers close as those of adaptive grippers do [Hirose and Umetani 1978], so that a
-//! handle of any section ends between the first bones and the last. What hangs there is held by no friction, and a load
-//! that comes on top is no reason to let go: tightening never goes back.
+//! No pad is brought to a place: fingers close as those of adaptive grippers do [Hirose and Umetani
+//! 1978], so that a handle of any section ends between the first bones and the last. What hangs
+//! there is held by no friction, and a load that comes on top is no reason to let go: tightening
+//! never goes back.
 
 use super::choose::Choice;
 use super::hand::LEVER;
@@ -21,13 +22,17 @@ use thenar_core::model::{BodyId, HandModel};
 use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, palmar_pad};
 
-/// Bones of a finger that bend, and joints that bend them: from the knuckle on, the last of its chain.
+/// Bones of a finger that bend, and joints that bend them: from the knuckle on, the last of its
+/// chain.
 const BENT: usize = 3;
-/// Places along a bone at which its way to the object is taken: some 5 mm apart, a finger being 15 mm thick.
+/// Places along a bone at which its way to the object is taken: some 5 mm apart, a finger being 15
+/// mm thick.
 const PLACES: usize = 6;
-/// Skin this near to the object is on it \[m\]: less than skin gives way by where it is touched at all.
+/// Skin this near to the object is on it \[m\]: less than skin gives way by where it is touched at
+/// all.
 const ON_SKIN: f64 = 1e-4;
-/// Time in which a bone would cover the way that is left \[s\], were it not to slow down: that of pads which gather.
+/// Time in which a bone would cover the way that is left \[s\], were it not to slow down: that of
+/// pads which gather.
 const APPROACH: f64 = 0.2;
 /// Slowest that a bone comes up \[m/s\]: as fast as pads close.
 const CLOSING: f64 = 0.04;
@@ -39,7 +44,8 @@ const ARM_MIN: f64 = 1e-4;
 /// From the axes of the bones that bend to the skin of the palm's side \[m\].
 pub type Skin = [f64; BENT];
 
-/// A finger's skin; `None` of one that has no three bones to bend, the last angle of each joint bending one.
+/// A finger's skin; `None` of one that has no three bones to bend, the last angle of each joint
+/// bending one.
 pub fn skin(hand: &HandModel, chain: &Chain) -> Option<Skin> {
     let first = chain.freedoms.len().checked_sub(BENT)?;
     let bends = |(bone, k): (&usize, usize)| {
@@ -76,7 +82,8 @@ impl Around<'_> {
         let Some(chain) = self.opposition.chain(pad) else { return false };
         let ways = self.ways(pad, chain, goal);
         let first = chain.freedoms.len() - BENT;
-        // Joints bend one after another: bent together they would close the finger in front of the handle.
+        // Joints bend one after another: bent together they would close the finger in front of the
+        // handle.
         (0..BENT).any(|joint| {
             let [_, high] = chain.freedoms[first + joint].range;
             let by = self.room(&ways, joint, h).min(high - goal[first + joint]).max(0.0);
@@ -85,7 +92,8 @@ impl Around<'_> {
         })
     }
 
-    /// Bends all fingers further by what moves their ends by `by` \[m\], and after a handle that came to lie elsewhere.
+    /// Bends all fingers further by what moves their ends by `by` \[m\], and after a handle that
+    /// came to lie elsewhere.
     pub fn tighten(&self, pads: &mut [PadMemory; PADS_MAX], by: f64, h: f64) {
         for (i, chain) in self.opposition.fingers.iter().enumerate() {
             let goal = &mut pads[i + 1].goal;
@@ -103,7 +111,8 @@ impl Around<'_> {
         ways.iter().flat_map(|bone| bone.places).map(|(_, way)| way).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far a joint may turn in a step of `h` \[s\], so that no bone that it moves goes into the object \[rad\].
+    /// How far a joint may turn in a step of `h` \[s\], so that no bone that it moves goes into the
+    /// object \[rad\].
     fn room(&self, ways: &[Ways; BENT], joint: usize, h: f64) -> f64 {
         let moved = ways[joint..].iter().flat_map(|bone| bone.places);
         let rooms = moved.map(|(place, way)| {
@@ -146,7 +155,8 @@ struct Ways {
 }
 
 impl Around<'_> {
-    /// All fingers take part where the object is near them at all; `chosen` is what was found for pads.
+    /// All fingers take part where the object is near them at all; `chosen` is what was found for
+    /// pads.
     pub fn choose(&self, chosen: Choice) -> Choice {
         let mut choice = Choice { trouble: None, shift_P: Vec3::zeros(), ..chosen };
         if let Some(trouble @ (Trouble::Far { .. } | Trouble::TooLarge { .. })) = chosen.trouble {

@@ -50,7 +50,8 @@ impl GripKind {
         }
     }
 
-    /// True if digits are on opposite sides of a grip of this kind: thumb and finger, or of a hook palm and finger.
+    /// True if digits are on opposite sides of a grip of this kind: thumb and finger, or of a hook
+    /// palm and finger.
     pub fn opposes(self, one: Digit, other: Digit) -> bool {
         let base = if self.has_thumb() { Digit::Thumb } else { Digit::Palm };
         let is_pair = |a: Digit, b: Digit| a == base && self.fingers().contains(&b);

@@ -1,4 +1,5 @@
-//! What a grip remembers from step to step: with it, another session of the same scene goes on with the same bits.
+//! What a grip remembers from step to step: with it, another session of the same scene goes on with
+//! the same bits.
 
 use super::opposition::PADS_MAX;
 use super::order::Order;
@@ -48,7 +49,8 @@ pub struct PadMemory {
     pub point_P: Vec3,
     /// Direction out of its skin there, in the palm's frame.
     pub normal_P: Vec3,
-    /// What targets are ahead of the pad, so that the pad itself is where it should be, in the palm's frame \[m\].
+    /// What targets are ahead of the pad, so that the pad itself is where it should be, in the
+    /// palm's frame \[m\].
     pub lead_P: Vec3,
     /// What its targets make for \[rad\].
     pub goal: Angles,
@@ -76,7 +78,8 @@ impl Default for PadMemory {
 /// No palm is so far aside \[m\], nor so fast on its way there \[m/s\].
 const ASIDE_MAX: f64 = 1.0;
 
-/// How a grip answers to load. Came later to the form of a keyframe than the rest, and stands behind it.
+/// How a grip answers to load. Came later to the form of a keyframe than the rest, and stands
+/// behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reflex {
     /// [`Order::adapts`] of the present and of the waiting order.
@@ -87,7 +90,8 @@ pub struct Reflex {
     pub used: f64,
     /// How much farther than the others each pad is pushed in, so that it bears its share \[m\].
     pub further: [f64; PADS_MAX],
-    /// How far the palm is to go aside of where its script or its pose has it, in its own frame \[m\].
+    /// How far the palm is to go aside of where its script or its pose has it, in its own frame
+    /// \[m\].
     pub aside_P: Vec3,
     /// How far aside it is, and the rate \[m, m/s\].
     pub shift_P: [Vec3; 2],
@@ -116,7 +120,8 @@ pub struct GripMemory {
     pub axis_P: Vec3,
     /// How far pads are pushed in \[m\].
     pub depth: f64,
-    /// Sum of the normal forces of each digit (palm, thumb, index, middle, ring, little) on the object in the last step \[N\].
+    /// Sum of the normal forces of each digit (palm, thumb, index, middle, ring, little) on the
+    /// object in the last step \[N\].
     pub felt: [f64; 6],
     /// Force of the two sides against each other, smoothed \[N\].
     pub force: f64,

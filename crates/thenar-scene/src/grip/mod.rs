@@ -1,14 +1,16 @@
-//! Grips by intent: what to grip, how, with what force and until when; pads find their way by themselves.
+//! Grips by intent: what to grip, how, with what force and until when; pads find their way by
+//! themselves.
 //!
-//! 1. [`Opposition`]: how the pads of a kind stand against each other at every width that the hand spans;
+//! 1. [`Opposition`]: how the pads of a kind stand against each other at every width that the hand
+//!    spans;
 //! 2. `choose`: opposed places of the object's surface for them, whatever its shape;
 //! 3. `solve`: angles for a pad's place, by damped least squares within the joints' ranges;
 //! 4. `squeeze`: how hard pads push, by the force that is felt;
 //! 5. `hook`: fingers that bend around a handle instead;
 //! 6. [`GripHand`]: these, step by step.
 //!
-//! The same calls give the same bits. Steps allocate nothing once a hand has learnt a kind. The step in which a grip begins takes some
-//! milliseconds, for the search of places.
+//! The same calls give the same bits. Steps allocate nothing once a hand has learnt a kind. The
+//! step in which a grip begins takes some milliseconds, for the search of places.
 
 mod choose;
 mod crowd;

@@ -1,4 +1,5 @@
-//! How the pads of a hand stand against each other, whatever there is to grip: at every width that they span.
+//! How the pads of a hand stand against each other, whatever there is to grip: at every width that
+//! they span.
 //!
 //! ```text
 //!    thumb (or the palm, of a hook)         fingers
@@ -16,10 +17,12 @@ use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, PadPlace, solve};
 
 /// Widths are this far apart \[m\].
 const STEP: f64 = 5e-3;
-/// A width is spanned when the two sides are no farther off their places than this \[m\], what ease and turn bend them by
-/// where digits are stretched, and no single finger than that: people's outer fingers do not lie in line either.
+/// A width is spanned when the two sides are no farther off their places than this \[m\], what ease
+/// and turn bend them by where digits are stretched, and no single finger than that: people's outer
+/// fingers do not lie in line either.
 const MISS_MAX: [f64; 2] = [8e-3, 15e-3];
-/// Largest angle between facing pads \[rad\]: skin on dry, smooth things slips beyond about 40° to either side.
+/// Largest angle between facing pads \[rad\]: skin on dry, smooth things slips beyond about 40° to
+/// either side.
 const FACING_MAX: f64 = 1.45;
 /// Widest that is tried \[m\].
 const WIDTH_MAX: f64 = 0.25;
@@ -117,8 +120,8 @@ impl Opposition {
         }
     }
 
-    /// Angles at which pads of a kind press into each other by `depth` \[m\] where nothing is between them: joint of the hand,
-    /// which of its angles, and the angle \[rad\].
+    /// Angles at which pads of a kind press into each other by `depth` \[m\] where nothing is
+    /// between them: joint of the hand, which of its angles, and the angle \[rad\].
     pub fn pressed(
         hand: &HandModel,
         kind: GripKind,

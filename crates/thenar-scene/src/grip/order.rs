@@ -8,8 +8,8 @@ use thenar_core::model::BodyId;
 /// One grip, with its object by index.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Order {
-    /// The object: whether it is a deformable body, and its index among the rigid or the deformable ones. None where pads
-    /// press against each other.
+    /// The object: whether it is a deformable body, and its index among the rigid or the deformable
+    /// ones. None where pads press against each other.
     object: Option<(bool, u32)>,
     /// Kind of grip.
     pub kind: GripKind,
@@ -19,8 +19,8 @@ pub struct Order {
     pub at: f64,
     /// When they open \[s\].
     pub open: Option<f64>,
-    /// The force was left open, and may rise to what the load asks. A recording keeps it elsewhere, since it came
-    /// later than the rest.
+    /// The force was left open, and may rise to what the load asks. A recording keeps it elsewhere,
+    /// since it came later than the rest.
     #[serde(skip)]
     pub adapts: bool,
 }

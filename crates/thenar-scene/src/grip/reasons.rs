@@ -13,14 +13,16 @@ use thenar_core::World;
 
 /// A force is lacking when after so long \[s\] so much of it is not there.
 const LACKING: (f64, f64) = (2.0, 0.1);
-/// An object that was pressed with the first part of what is wanted, and after that for so long \[s\] with less than the
-/// last part, is gone.
+/// An object that was pressed with the first part of what is wanted, and after that for so long
+/// \[s\] with less than the last part, is gone.
 const LOST: (f64, f64, f64) = (0.5, 0.2, 0.05);
-/// Pads that went so much farther in than where they touched, and feel nothing there, have nothing between them \[m\].
+/// Pads that went so much farther in than where they touched, and feel nothing there, have nothing
+/// between them \[m\].
 const NOTHING: f64 = 0.02;
 
 impl GripHand {
-    /// Trouble as the grip takes hold: what was foreseen, unless pads got out of that, or what they met.
+    /// Trouble as the grip takes hold: what was foreseen, unless pads got out of that, or what they
+    /// met.
     pub(super) fn met(
         &self,
         opposition: &Opposition,
@@ -30,7 +32,8 @@ impl GripHand {
         let foreseen = self.memory.trouble;
         let ends = |pad: u8| self.miss(opposition, usize::from(pad), world, hand);
         match foreseen {
-            // What was to be out of reach may have been met all the same, though not where another side is.
+            // What was to be out of reach may have been met all the same, though not where another
+            // side is.
             Some(Trouble::OutOfReach { pad, .. }) => {
                 let miss = ends(pad).filter(|miss| *miss > REACH);
                 let still = miss.map(|miss| Trouble::OutOfReach { pad, miss });
@@ -83,7 +86,8 @@ impl GripHand {
         Some(Trouble::OutOfReach { pad: short as u8, miss })
     }
 
-    /// Tells when pads are as far in as they go and bear less than was asked for, or have nothing between them.
+    /// Tells when pads are as far in as they go and bear less than was asked for, or have nothing
+    /// between them.
     pub(super) fn tell_weak(&mut self, order: &Order) {
         let memory = &mut self.memory;
         let met = memory.pads.iter().any(|pad| pad.touched)
@@ -99,7 +103,8 @@ impl GripHand {
         }
     }
 
-    /// True when an object that was held is gone: fingers then stay as they are, and press again when they meet it.
+    /// True when an object that was held is gone: fingers then stay as they are, and press again
+    /// when they meet it.
     pub(super) fn is_lost(&mut self, order: &Order, h: f64) -> bool {
         let memory = &mut self.memory;
         let GripMemory { reflex, force, trouble, .. } = memory;

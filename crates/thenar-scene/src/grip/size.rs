@@ -1,4 +1,5 @@
-//! What can be said of an object before it is gripped: how wide it is, how hard it is to be held, how far away it is.
+//! What can be said of an object before it is gripped: how wide it is, how hard it is to be held,
+//! how far away it is.
 
 use super::kind::GripKind;
 use super::surface::{nearest, sample, through};
@@ -7,16 +8,18 @@ use thenar_core::model::{BodyId, PairRule, WorldDesc};
 use thenar_core::shape::Shape;
 use thenar_core::{Pose, World};
 
-/// Grip force over the slip limit where a scene does not say. People hold dry things with 1.2 to 2 times what they need
-/// [Johansson and Westling 1984]; pads that do not face each other straight need the more.
+/// Grip force over the slip limit where a scene does not say. People hold dry things with 1.2 to 2
+/// times what they need [Johansson and Westling 1984]; pads that do not face each other straight
+/// need the more.
 const MARGIN: f64 = 2.0;
-/// Margin of two fingers beside each other on a thing that may be round: they press at a slant to the thumb, and do not
-/// bear the same.
+/// Margin of two fingers beside each other on a thing that may be round: they press at a slant to
+/// the thumb, and do not bear the same.
 const MARGIN_ASLANT: f64 = 2.5;
 /// Least force that is held where a scene does not say \[N\].
 const FORCE_MIN: f64 = 0.3;
 
-/// The least width of an object between places that face away from each other \[m\]; infinite where there are none.
+/// The least width of an object between places that face away from each other \[m\]; infinite where
+/// there are none.
 pub fn narrowest(world: &World, object: BodyId) -> f64 {
     let mut samples = Vec::new();
     sample(world, object, &middle(world, object), 1e3, &mut samples);
@@ -48,8 +51,8 @@ pub fn way_to(world: &World, object: BodyId, point: &Vec3) -> Option<f64> {
     nearest(world, object, point).map(|place| (place.point - point).norm())
 }
 
-/// Force that holds an object against its weight with the margin of its kind \[N\]; in a hook no friction holds it, and half of the weight
-/// is what there is when it hangs. `flesh` is the hand's.
+/// Force that holds an object against its weight with the margin of its kind \[N\]; in a hook no
+/// friction holds it, and half of the weight is what there is when it hangs. `flesh` is the hand's.
 pub fn usual_force(desc: &WorldDesc, flesh: u32, object: BodyId, kind: GripKind) -> f64 {
     let force = match kind.has_thumb() {
         true => margin(kind) * slip_limit(desc, flesh, object),
@@ -63,8 +66,8 @@ fn margin(kind: GripKind) -> f64 {
     if kind == GripKind::Tripod { MARGIN_ASLANT } else { MARGIN }
 }
 
-/// Least force between two sides that keeps an object from slipping under its weight, `m g / (2 μ)` \[N\]. `flesh` is the
-/// hand's.
+/// Least force between two sides that keeps an object from slipping under its weight, `m g / (2 μ)`
+/// \[N\]. `flesh` is the hand's.
 pub fn slip_limit(desc: &WorldDesc, flesh: u32, object: BodyId) -> f64 {
     mass(desc, object) * desc.gravity.norm() / (2.0 * friction(desc, flesh, object).max(0.05))
 }

@@ -1,24 +1,26 @@
 //! How hard pads push in: a law on the force that is felt.
 //!
-//! The pads' targets lie `u` inside where they touched. Force grows with `u` by a stiffness that depends on drives, joints,
-//! flesh and object, and is not known; what is known is a bound of it, that of the drives, and the secant `f/u` of what
-//! was met so far. Elastic contact stiffens: with `f ~ u^n` the slope is `n` times the secant, and `n` is 2 at most
-//! (Hertz 1.5, pads of fingers 1 to 2). So
+//! The pads' targets lie `u` inside where they touched. Force grows with `u` by a stiffness that
+//! depends on drives, joints, flesh and object, and is not known; what is known is a bound of it,
+//! that of the drives, and the secant `f/u` of what was met so far. Elastic contact stiffens: with
+//! `f ~ u^n` the slope is `n` times the secant, and `n` is 2 at most (Hertz 1.5, pads of fingers 1
+//! to 2). So
 //!
 //! ```text
 //! u' = RATE (F - f) / min(bound, 2 f/u)
 //! ```
 //!
-//! closes a gap in force at RATE/2 to RATE, whatever is gripped. Delays between target and felt force add up to 50 ms
-//! (one step, the fingers' swing), and a loop of first order does not overshoot while its rate times its delay is below
-//! 1/e [Åström and Hägglund 1995]: hence RATE.
+//! closes a gap in force at RATE/2 to RATE, whatever is gripped. Delays between target and felt
+//! force add up to 50 ms (one step, the fingers' swing), and a loop of first order does not
+//! overshoot while its rate times its delay is below 1/e [Åström and Hägglund 1995]: hence RATE.
 
 /// Part of the lacking force that is closed in a second, at most \[1/s\].
 pub const RATE: f64 = 8.0;
 /// Fastest push \[m/s\]: as fast as pads close.
 const SPEED: f64 = 0.04;
-/// Fastest push, and way back, of pads that press \[m/s\]; where things are hard, gaps in force below 4 N never ask for so
-/// much. A loaf that gives way by 30 mm is held within a second, as people hold one.
+/// Fastest push, and way back, of pads that press \[m/s\]; where things are hard, gaps in force
+/// below 4 N never ask for so much. A loaf that gives way by 30 mm is held within a second, as
+/// people hold one.
 const PRESSING: f64 = 0.08;
 /// The secant counts from here on \[m\]; before it says nothing.
 const SECANT_FROM: f64 = 2e-4;
@@ -26,38 +28,42 @@ const SECANT_FROM: f64 = 2e-4;
 const PRESSES: f64 = 0.1;
 /// No object is softer than this part of the drives.
 const SOFTEST: f64 = 1.0 / 32.0;
-/// How far in pads are pushed, and how far out where the first touch was too hard \[m\]: half a finger, and the depth of a pad.
+/// How far in pads are pushed, and how far out where the first touch was too hard \[m\]: half a
+/// finger, and the depth of a pad.
 pub const RANGE: [f64; 2] = [-5e-3, 0.06];
 
-/// Depth `u` \[m\] after a step of `h` \[s\], with `felt` of the `wanted` force \[N\] and drives whose stiffness is no more
-/// than `bound` \[N/m\].
+/// Depth `u` \[m\] after a step of `h` \[s\], with `felt` of the `wanted` force \[N\] and drives
+/// whose stiffness is no more than `bound` \[N/m\].
 pub fn push(u: f64, felt: f64, wanted: f64, bound: f64, h: f64) -> f64 {
     let rate = speed_for(wanted - felt, slope(u, felt, bound), h);
     let fastest = if felt < PRESSES * wanted { SPEED } else { PRESSING };
     (u + rate.clamp(-fastest, fastest) * h).clamp(RANGE[0], RANGE[1])
 }
 
-/// Stiffness that pads meet at depth `u` with the force `felt` \[N/m\]: twice the secant, at most `bound`.
+/// Stiffness that pads meet at depth `u` with the force `felt` \[N/m\]: twice the secant, at most
+/// `bound`.
 pub fn slope(u: f64, felt: f64, bound: f64) -> f64 {
     let secant = if u > SECANT_FROM { 2.0 * felt / u } else { bound };
     secant.clamp(SOFTEST * bound, bound)
 }
 
-/// Rate of a depth that closes a gap in force \[m/s\]; no more in one step than half of the gap, however long the step.
+/// Rate of a depth that closes a gap in force \[m/s\]; no more in one step than half of the gap,
+/// however long the step.
 fn speed_for(gap: f64, stiffness: f64, h: f64) -> f64 {
     RATE.min(0.5 / h) * gap / stiffness
 }
 
-/// Force is kept at so many times what would slip. People keep to the same where things get heavier or slipperier in their
-/// fingers [Johansson and Westling 1984].
+/// Force is kept at so many times what would slip. People keep to the same where things get heavier
+/// or slipperier in their fingers [Johansson and Westling 1984].
 const SAFETY: f64 = 1.5;
-/// A force that adapts rises to so many times what was foreseen at most: what still slips then does not lack force.
+/// A force that adapts rises to so many times what was foreseen at most: what still slips then does
+/// not lack force.
 const RISE_MAX: f64 = 4.0;
 /// Time in which a force that rose falls again \[s\]. People let go slowly what threatened to slip.
 const FALL: f64 = 1.0;
 
-/// Force that is wanted after a step of `h` \[s\] \[N\], where pads press with `force` and use up the part `used` of what
-/// friction can give; never less than what was `foreseen`.
+/// Force that is wanted after a step of `h` \[s\] \[N\], where pads press with `force` and use up
+/// the part `used` of what friction can give; never less than what was `foreseen`.
 pub fn wanted(before: f64, foreseen: f64, force: f64, used: f64, h: f64) -> f64 {
     let asked = (SAFETY * used * force).min(RISE_MAX * foreseen);
     let fallen = foreseen + (before - foreseen) * (-h / FALL).exp();
@@ -66,7 +72,8 @@ pub fn wanted(before: f64, foreseen: f64, force: f64, used: f64, h: f64) -> f64 
 
 /// A finger is pushed in until it bears this part of the mean of the fingers.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
-/// Least part of the mean of two fingers: where one of them lets go, a thing turns about the line from the thumb to the other.
+/// Least part of the mean of two fingers: where one of them lets go, a thing turns about the line
+/// from the thumb to the other.
 const LEAST_SHARE_OF_TWO: f64 = 0.6;
 
 /// Part of the mean that each of `count` fingers is to bear at least.
@@ -74,17 +81,17 @@ pub fn least_share(count: usize) -> f64 {
     if count == 2 { LEAST_SHARE_OF_TWO } else { LEAST_SHARE }
 }
 
-/// How much farther than the others one is pushed at most, once it is where it was to touch \[m\]: half as thick as a finger
-/// is.
+/// How much farther than the others one is pushed at most, once it is where it was to touch \[m\]:
+/// half as thick as a finger is.
 pub const FURTHER_MAX: f64 = 8e-3;
 /// Below this part of its least share a finger touches nothing yet.
 const TOUCHES: f64 = 0.1;
 
-/// How much farther than the others a finger is pushed in after a step of `h` \[s\], `most` \[m\] at most, when it bears
-/// `felt`, all together bear `mean` each \[N\], of which it is to bear the part `least`, and meet a [`slope`], of which one
-/// finger's is a part; less again when it bears more than the mean.
-/// One that bears its share is left alone: were each finger to have a force of its own, an object would wander that its
-/// weight presses on one side.
+/// How much farther than the others a finger is pushed in after a step of `h` \[s\], `most` \[m\]
+/// at most, when it bears `felt`, all together bear `mean` each \[N\], of which it is to bear the
+/// part `least`, and meet a [`slope`], of which one finger's is a part; less again when it bears
+/// more than the mean. One that bears its share is left alone: were each finger to have a force of
+/// its own, an object would wander that its weight presses on one side.
 pub fn further(
     before: f64,
     felt: f64,
@@ -105,7 +112,8 @@ pub fn further(
 mod tests {
     use super::*;
 
-    /// A side that has 0.7 of its friction in use wants half a tenth more than it has; one that slides half as much again.
+    /// A side that has 0.7 of its friction in use wants half a tenth more than it has; one that
+    /// slides half as much again.
     #[test]
     fn force_rises_with_the_part_of_friction_in_use_and_falls_slowly() {
         assert_eq!(wanted(1.0, 1.0, 1.0, 0.5, 0.01), 1.0);
@@ -141,8 +149,8 @@ mod tests {
         assert_eq!(nothing, FURTHER_MAX);
     }
 
-    /// A body that gives way by 30 mm is pressed with 95 % of the force within 0.85 s, whatever the step; were pads that press
-    /// no faster than pads that close, it would take 0.95 s at least.
+    /// A body that gives way by 30 mm is pressed with 95 % of the force within 0.85 s, whatever the
+    /// step; were pads that press no faster than pads that close, it would take 0.95 s at least.
     #[test]
     fn what_is_soft_is_held_soon() {
         for h in [1e-3, 5e-3, 1.0 / 60.0] {

@@ -1,4 +1,5 @@
-//! The surface of what is gripped, whatever it is: samples of it, the way through it, places that move with it.
+//! The surface of what is gripped, whatever it is: samples of it, the way through it, places that
+//! move with it.
 
 use serde::{Deserialize, Serialize};
 use thenar_core::model::BodyId;
@@ -7,7 +8,8 @@ use thenar_core::{Pose, Vec3, World};
 
 /// Most samples of a surface.
 pub const SAMPLES_MAX: usize = 700;
-/// Least cells across the thinnest extent: a rod that is sampled from fewer has no two places that face each other but at a slant.
+/// Least cells across the thinnest extent: a rod that is sampled from fewer has no two places that
+/// face each other but at a slant.
 const ACROSS: f64 = 5.0;
 /// Rounds in which a point finds the surface by its distance.
 const ROUNDS: usize = 24;
@@ -86,7 +88,8 @@ fn normal([a, b, c]: &[Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a)).try_normalize(1e-300).unwrap_or_else(Vec3::y)
 }
 
-/// Fills `out` with places of the surface of a body within `radius` of `centre`, world \[m\], evenly spread.
+/// Fills `out` with places of the surface of a body within `radius` of `centre`, world \[m\],
+/// evenly spread.
 pub fn sample(world: &World, of: BodyId, centre: &Vec3, radius: f64, out: &mut Vec<Sample>) {
     out.clear();
     match of {
@@ -95,7 +98,8 @@ pub fn sample(world: &World, of: BodyId, centre: &Vec3, radius: f64, out: &mut V
     }
 }
 
-/// Where a line from a place of the surface, inwards along `way` (a unit vector), leaves the body again.
+/// Where a line from a place of the surface, inwards along `way` (a unit vector), leaves the body
+/// again.
 pub fn through(world: &World, from: &Sample, way: &Vec3) -> Option<Sample> {
     match from.anchor {
         Anchor::Rigid { body, .. } => through_rigid(world, body, &from.point, way),
@@ -201,7 +205,8 @@ fn between(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
     [(low + high) * 0.5, (high - low) * 0.5]
 }
 
-/// A lattice in the part of the shape's box that is near, brought to the surface along its gradient.
+/// A lattice in the part of the shape's box that is near, brought to the surface along its
+/// gradient.
 fn sample_rigid(world: &World, body: u32, centre: &Vec3, radius: f64, out: &mut Vec<Sample>) {
     let Some(solid) = Solid::of(world, body) else { return };
     let [middle, half] = bounds(solid.shape);
@@ -285,7 +290,8 @@ fn through_soft(world: &World, body: u32, from: &Vec3, way: &Vec3) -> Option<Sam
     })
 }
 
-/// Where a line cuts a triangle: how far along it, and barycentric weights [Möller and Trumbore 1997].
+/// Where a line cuts a triangle: how far along it, and barycentric weights [Möller and Trumbore
+/// 1997].
 fn cut(from: &Vec3, way: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<(f64, [f64; 3])> {
     let (e, f) = (b - a, c - a);
     let p = way.cross(&f);

@@ -49,7 +49,8 @@ pub enum Trouble {
         /// Force that was wanted last.
         wanted: f64,
     },
-    /// The object is nearly as wide as the pads open, and from where the hand is one of them does not get around it.
+    /// The object is nearly as wide as the pads open, and from where the hand is one of them does
+    /// not get around it.
     Wide {
         /// Width of the object where pads go.
         width: f64,

@@ -11,16 +11,17 @@ use thenar_core::model::Side;
 
 /// What is left free between an added hand and others that point at it \[m\].
 const CLEAR: f64 = 0.05;
-/// Length of a hand that tells none: that of the built-in hands, rounded up, wrist to middle fingertip \[m\].
+/// Length of a hand that tells none: that of the built-in hands, rounded up, wrist to middle
+/// fingertip \[m\].
 const LENGTH: f64 = 0.19;
-/// How far in front of figures a hand is added \[m\]: as far as a person of 1.7 m reaches to the side, and the length of a
-/// hand.
+/// How far in front of figures a hand is added \[m\]: as far as a person of 1.7 m reaches to the
+/// side, and the length of a hand.
 const BEFORE_FIGURES: f64 = 0.85;
 /// Lowest wrist of an added hand \[m\].
 const HEIGHT_MIN: f64 = 0.15;
 
-/// A copy of the scene's hand as one of `side`, beside it and still, with room for hands of `lengths`, left and right
-/// \[m\]; a hand of its own where the scene has none.
+/// A copy of the scene's hand as one of `side`, beside it and still, with room for hands of
+/// `lengths`, left and right \[m\]; a hand of its own where the scene has none.
 pub fn holding_still(scene: &Scene, side: Side, lengths: [Option<f64>; 2]) -> Hand {
     let Some(template) = template(scene) else { return default_hand(scene, side) };
     let mut hand = template.clone();

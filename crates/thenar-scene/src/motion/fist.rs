@@ -1,8 +1,9 @@
 //! The fist of a hand: how far its fingers bend depends on how long they and how thick the palm is.
 //!
-//! Fingers bend side by side, in their outer joints as far as these go, at the knuckles until a fingertip presses on the
-//! palm. The thumb lies across the middle phalanges of index and middle finger. Angles may be beyond a joint's range by a
-//! sixth: a fist is squeezed, and the joint's end holds.
+//! Fingers bend side by side, in their outer joints as far as these go, at the knuckles until a
+//! fingertip presses on the palm. The thumb lies across the middle phalanges of index and middle
+//! finger. Angles may be beyond a joint's range by a sixth: a fist is squeezed, and the joint's end
+//! holds.
 
 use thenar_core::model::{Digit, HandModel};
 use thenar_core::readout::TaxelSkin;
@@ -10,19 +11,21 @@ use thenar_core::{Pose, Vec3};
 use thenar_track::reach::{Chain, Goal, Pad, PadPlace, solve};
 use thenar_track::{Anatomy, Articulation};
 
-/// Parts of where their ranges end to which the second and the third joint of a finger are pulled: flesh in the bend of the second
-/// resists, and holds it some degrees short of its end.
+/// Parts of where their ranges end to which the second and the third joint of a finger are pulled:
+/// flesh in the bend of the second resists, and holds it some degrees short of its end.
 const OUTER: [f64; 2] = [1.1, 0.92];
-/// Parts of where a knuckle's range ends that are tried, the first and the last: a knuckle at its end is pulled on.
+/// Parts of where a knuckle's range ends that are tried, the first and the last: a knuckle at its
+/// end is pulled on.
 const KNUCKLE: [f64; 2] = [0.5, 1.15];
 /// Number of steps from the first to the last: 2° each.
 const TRIED: u32 = 30;
-/// How far fingertips are pulled into the palm, of the length of a hand: 6 mm of 190. Usual drives (500 N/m at a fingertip)
-/// would give 3 N, but for what bends before.
+/// How far fingertips are pulled into the palm, of the length of a hand: 6 mm of 190. Usual drives
+/// (500 N/m at a fingertip) would give 3 N, but for what bends before.
 const SQUEEZE: f64 = 6.0 / 190.0;
 /// How far the thumb presses in: half of that.
 const PRESS: f64 = 0.5 * SQUEEZE;
-/// A thumb that ends farther from its place than this, of the length of a hand, has not found it: 10 mm of 190.
+/// A thumb that ends farther from its place than this, of the length of a hand, has not found it:
+/// 10 mm of 190.
 const MISS: f64 = 10.0 / 190.0;
 /// Farthest that a finger goes aside, so that it lies beside its neighbour \[rad\].
 const ASIDE_MAX: f64 = 0.2;
@@ -31,8 +34,8 @@ const BEND_MAX: f64 = 2.27;
 /// Rounds of inverse kinematics for the thumb.
 const ROUNDS: usize = 60;
 
-/// Both angles of all joints of a hand in its fist \[rad\], the thumb over these fingers; `None` for a hand that lacks a digit
-/// or joints that bend it.
+/// Both angles of all joints of a hand in its fist \[rad\], the thumb over these fingers; `None`
+/// for a hand that lacks a digit or joints that bend it.
 pub(super) fn fist(
     hand: &HandModel,
     articulation: &Articulation,
@@ -67,7 +70,8 @@ struct Finger {
     digit: Digit,
     tip: Pad,
     side: Pad,
-    /// Joint, angle, and where its range ends in the sense that closes \[rad\]; from the knuckle outwards.
+    /// Joint, angle, and where its range ends in the sense that closes \[rad\]; from the knuckle
+    /// outwards.
     bends: [(usize, usize, f64); 3],
     /// Joint and angle that spread it.
     spread: Option<(usize, usize)>,
@@ -146,8 +150,8 @@ impl Fist<'_> {
         self.articulation.tree.clamp(joint, self.angles[joint])[axis]
     }
 
-    /// Way from a fingertip to the hand's skin at rest below its palm, along the palm's normal \[m\]; `None` where there is
-    /// none.
+    /// Way from a fingertip to the hand's skin at rest below its palm, along the palm's normal
+    /// \[m\]; `None` where there is none.
     fn clearance(&self, tip: &Pad) -> Option<f64> {
         let last = &self.hand.bones[tip.bone];
         let along_B = (last.ends_B[1] - last.ends_B[0]).try_normalize(1e-9)?;

@@ -5,9 +5,10 @@ use thenar_core::{Quat, Vec3};
 /// One number over time.
 ///
 /// Each piece is the quintic with the knots' values and slopes and no acceleration at the knots.
-/// Slopes are the harmonic mean of the neighbouring secants [Fritsch and Butland 1984], zero at extrema and at both
-/// ends, and at most 1.25 times either secant. That keeps the Bernstein coefficients of every
-/// piece's derivative of one sign, so a piece never leaves the range of its two knots.
+/// Slopes are the harmonic mean of the neighbouring secants [Fritsch and Butland 1984], zero at
+/// extrema and at both ends, and at most 1.25 times either secant. That keeps the Bernstein
+/// coefficients of every piece's derivative of one sign, so a piece never leaves the range of its
+/// two knots.
 #[derive(Clone, Debug, Default)]
 pub struct ScalarTrack {
     times: Vec<f64>,

@@ -16,8 +16,8 @@
 //! tips = { index = [0.02, 0.0, -0.1] }        # m, world: where the middle of its pad is
 //! ```
 //!
-//! Within a key, `pose` is refined by `curl`, that by `joints`, and that by `tips`. What a key does not name keeps
-//! moving between the keys that do name it.
+//! Within a key, `pose` is refined by `curl`, that by `joints`, and that by `tips`. What a key does
+//! not name keeps moving between the keys that do name it.
 
 mod compile;
 mod desc;

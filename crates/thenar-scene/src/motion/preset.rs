@@ -24,8 +24,8 @@ pub enum Preset {
     PowerGrasp,
 }
 
-/// How far the pads of a pinch press into each other \[m\]: usual drives (500 N/m at a fingertip) give 1.5 N for 3 mm on either
-/// side.
+/// How far the pads of a pinch press into each other \[m\]: usual drives (500 N/m at a fingertip)
+/// give 1.5 N for 3 mm on either side.
 const PRESS: f64 = 6e-3;
 
 /// Thumb that lets fingers pass: flexion of its three joints, and its spread \[degrees\].
@@ -51,8 +51,8 @@ impl Preset {
         matches!(self, Self::Fist | Self::Point)
     }
 
-    /// Angles of thumb and index finger whose pads press into each other \[rad\], each with its joint and which of its angles
-    /// it is; `None` for hands that cannot make them meet.
+    /// Angles of thumb and index finger whose pads press into each other \[rad\], each with its
+    /// joint and which of its angles it is; `None` for hands that cannot make them meet.
     pub(super) fn pinch(hand: &HandModel) -> Option<Vec<(usize, usize, f64)>> {
         Opposition::pressed(hand, GripKind::Pinch, PRESS)
     }

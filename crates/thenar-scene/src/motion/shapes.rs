@@ -6,13 +6,15 @@ use std::cell::OnceCell;
 use thenar_core::model::{Digit, HandModel};
 use thenar_track::{ANGLES, Anatomy, Articulation, hand_angles};
 
-/// The named shapes of a hand. Those that follow from the hand itself are found when they are first asked for.
+/// The named shapes of a hand. Those that follow from the hand itself are found when they are first
+/// asked for.
 #[derive(Debug)]
 pub struct Shapes<'a> {
     hand: &'a HandModel,
     articulation: &'a Articulation,
     anatomy: &'a Anatomy,
-    /// Two angles of each joint in shapes that the hand itself gives; none where it cannot make the shape.
+    /// Two angles of each joint in shapes that the hand itself gives; none where it cannot make the
+    /// shape.
     own: [OnceCell<Option<Vec<[f64; 2]>>>; Preset::NAMED.len()],
 }
 
@@ -22,7 +24,8 @@ impl<'a> Shapes<'a> {
         Self { hand, articulation, anatomy, own: Default::default() }
     }
 
-    /// Both angles of joint `j` in a shape \[rad\], within their ranges but for a fist's, which is pulled against their ends.
+    /// Both angles of joint `j` in a shape \[rad\], within their ranges but for a fist's, which is
+    /// pulled against their ends.
     pub fn angles(&self, shape: Preset, j: usize) -> [f64; 2] {
         let own = self.own[shape as usize].get_or_init(|| self.own(shape));
         match own {
@@ -36,13 +39,15 @@ impl<'a> Shapes<'a> {
         self.articulation.tree.clamp(j, self.usual(shape, j))
     }
 
-    /// A shape as the twenty angles of a hand (see [`hand_angles`]) \[rad\]; 0 for joints that it lacks.
+    /// A shape as the twenty angles of a hand (see [`hand_angles`]) \[rad\]; 0 for joints that it
+    /// lacks.
     pub fn twenty(&self, shape: Preset) -> [f64; ANGLES] {
         hand_angles(self.hand, self.articulation)
             .map(|angle| angle.map_or(0.0, |at| at.sense * self.angles(shape, at.index)[at.axis]))
     }
 
-    /// Both angles of a joint `j` of the thumb where it lets fingers pass, within their ranges \[rad\].
+    /// Both angles of a joint `j` of the thumb where it lets fingers pass, within their ranges
+    /// \[rad\].
     pub(super) fn thumb_aside(&self, j: usize) -> [f64; 2] {
         self.articulation.tree.clamp(j, self.bent(j, THUMB_ASIDE))
     }

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use thenar_core::kernels::HeldPlace;
 use thenar_core::world::State;
 
-/// A scene frame, in postcard's encoding: a session begins. Behind it stands the number of the hand that the scene
-/// means where it does not say, a byte; [`SceneStart::read`] takes both.
+/// A scene frame, in postcard's encoding: a session begins. Behind it stands the number of the hand
+/// that the scene means where it does not say, a byte; [`SceneStart::read`] takes both.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SceneStart {
     /// What it is made from.
@@ -213,7 +213,8 @@ impl<'a> KeyframeRef<'a> {
 /// Appends a value in postcard's encoding.
 pub(super) fn append(out: &mut Vec<u8>, value: &impl Serialize) {
     let length = out.len();
-    // What is in memory always has such a form; were it not so, an empty body is refused on reading.
+    // What is in memory always has such a form; were it not so, an empty body is refused on
+    // reading.
     match postcard::to_extend(value, std::mem::take(out)) {
         Ok(written) => *out = written,
         Err(_) => out.resize(length, 0),

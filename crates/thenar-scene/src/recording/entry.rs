@@ -125,7 +125,8 @@ impl InputKind {
         )
     }
 
-    /// Hands it on as the session takes it. `None` when it has the wrong number of joints or angles.
+    /// Hands it on as the session takes it. `None` when it has the wrong number of joints or
+    /// angles.
     pub fn with_entry<R>(&self, then: impl FnOnce(Entry<'_>) -> R) -> Option<R> {
         Some(match self {
             Self::Joints { hand, time, joints, radii } => {

@@ -1,4 +1,5 @@
-//! A session at an instant, as bytes: another session of the same scene goes on from them with the same bits.
+//! A session at an instant, as bytes: another session of the same scene goes on from them with the
+//! same bits.
 //!
 //! The bytes are eight of [`MAGIC`], a CRC-32 (little-endian) of what follows, and a keyframe as in
 //! `docs/recording.md`.
@@ -40,8 +41,8 @@ pub enum SnapshotError {
     Unfit,
 }
 
-/// Snapshot of a session: everything that its next step depends on besides its source and what enters. `start`:
-/// hash of the state that its scene starts in.
+/// Snapshot of a session: everything that its next step depends on besides its source and what
+/// enters. `start`: hash of the state that its scene starts in.
 pub fn snapshot(session: &Session, start: u64) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend_from_slice(&[0; 4]);
@@ -51,9 +52,9 @@ pub fn snapshot(session: &Session, start: u64) -> Vec<u8> {
     bytes
 }
 
-/// Goes on from a [`snapshot`] of a session whose scene starts in a state of hash `start`, as this one's.
-/// Contacts and reports are those of the next step. A witness is not told: a session that is recorded is not
-/// to be moved this way.
+/// Goes on from a [`snapshot`] of a session whose scene starts in a state of hash `start`, as this
+/// one's. Contacts and reports are those of the next step. A witness is not told: a session that is
+/// recorded is not to be moved this way.
 ///
 /// # Errors
 /// The bytes are none of this scene. Nothing has changed then.

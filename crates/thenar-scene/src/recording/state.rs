@@ -1,5 +1,5 @@
-//! A world's state as recordings keep it: what they kept from the first version on in one piece, what tissue
-//! remembers and where skin is held beside it.
+//! A world's state as recordings keep it: what they kept from the first version on in one piece,
+//! what tissue remembers and where skin is held beside it.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use thenar_core::kernels::SeenSides;

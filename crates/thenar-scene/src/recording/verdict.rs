@@ -89,7 +89,8 @@ pub struct Verdict {
     pub put_right: (u64, ReplayDrift),
     /// Inputs that the session refused.
     pub refused: Vec<String>,
-    /// Records of channels that were not announced, or with another number of values than announced.
+    /// Records of channels that were not announced, or with another number of values than
+    /// announced.
     pub strays: u64,
     /// What the recorder dropped.
     pub gaps: Vec<(f64, Gap)>,

@@ -9,8 +9,8 @@ use std::fmt::Write;
 use thenar_core::model::{Digit, HandModel};
 use thenar_track::reach::PadPlace;
 
-/// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, and of motion files, in Markdown; `name` says in prose
-/// whose ranges they are.
+/// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, and of motion
+/// files, in Markdown; `name` says in prose whose ranges they are.
 ///
 /// # Errors
 /// The joints of `hand` do not form a tree.

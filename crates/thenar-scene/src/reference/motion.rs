@@ -7,8 +7,9 @@ use crate::text::schema_document;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// The JSON Schema of a motion file, as text: its root is a file of keyframes (TOML); `RecordingHeader` and
-/// `RecordingSample` among its parts are the first line of a recording and the others (JSON Lines).
+/// The JSON Schema of a motion file, as text: its root is a file of keyframes (TOML);
+/// `RecordingHeader` and `RecordingSample` among its parts are the first line of a recording and
+/// the others (JSON Lines).
 pub fn motion_schema() -> String {
     serde_json::to_string_pretty(&document()).map_or(String::new(), |text| text + "\n")
 }

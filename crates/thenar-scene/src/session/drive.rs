@@ -60,8 +60,8 @@ pub fn carry(input: &mut Input, built: &Built, led: &[Option<Vec<Target>>], worl
     }
 }
 
-/// What carries a hand's weight is no load on it: a frame of the hand that begins with rigid body `first` tells of the
-/// rest.
+/// What carries a hand's weight is no load on it: a frame of the hand that begins with rigid body
+/// `first` tells of the rest.
 pub fn weigh(
     input: &Input,
     built: &Built,
@@ -82,9 +82,10 @@ pub fn weigh(
     }
 }
 
-/// Torques that hold the joints of hands at the targets of scripts and poses, after the loads of the step. Fingers that grip
-/// find their own way, by the force that they feel. A hand that is led has none: its targets answer to contact, and the
-/// hand in empty air beside it has other targets, so that the difference would be felt.
+/// Torques that hold the joints of hands at the targets of scripts and poses, after the loads of
+/// the step. Fingers that grip find their own way, by the force that they feel. A hand that is led
+/// has none: its targets answer to contact, and the hand in empty air beside it has other targets,
+/// so that the difference would be felt.
 pub fn hold(input: &mut Input, built: &mut Built, led: &[Option<Vec<Target>>], world: &World) {
     for (hand, _) in built.hands.iter_mut().zip(led).filter(|(_, led)| led.is_none()) {
         let joints = hand.handle.joints.start as usize..hand.handle.joints.end as usize;

@@ -89,8 +89,8 @@ impl Figures {
         &self.summary
     }
 
-    /// The row: extremes first, under the same names for every scene, then `PROBE.last`, `.mean`, `.min` and
-    /// `.max` over the rows of the probe table.
+    /// The row: extremes first, under the same names for every scene, then `PROBE.last`, `.mean`,
+    /// `.min` and `.max` over the rows of the probe table.
     pub fn row(&self, session: &Session) -> Vec<NamedFigure> {
         let mut row = extremes(&self.summary, session);
         for (column, spread) in session.columns().iter().zip(&self.probes) {
@@ -150,7 +150,8 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// A box that falls freely for a tenth of a second: its height is h - g t²/2 by the scheme's own sum.
+    /// A box that falls freely for a tenth of a second: its height is h - g t²/2 by the scheme's
+    /// own sum.
     #[test]
     fn probes_spread_and_names_differ() {
         let text = "version = 1\nduration = 0.1\ntime_step = 0.01\n[[rigid]]\nname = \"a\"\nmass = 1\n\

@@ -10,7 +10,8 @@ use crate::live::Mover;
 use serde::{Serialize, Serializer};
 use thenar_core::model::{BodyId, Motion};
 
-/// An object is under the hand when its surface is this near to the middle of the pads \[m\]: a finger's length.
+/// An object is under the hand when its surface is this near to the middle of the pads \[m\]: a
+/// finger's length.
 const UNDER: f64 = 0.12;
 
 /// Why a hand does not grip. Nothing has changed then.
@@ -55,9 +56,10 @@ pub enum GripError {
 pub const FORCE_MAX: f64 = 1000.0;
 
 impl Session {
-    /// Lets hand `hand` grip a body now, whatever the scene says: the one of this name, or where there is none the nearest
-    /// one under its pads; with this force \[N\], or one that holds its weight. A hand that grips opens first. Returns the
-    /// object's name. Takes some milliseconds the first time, and allocates.
+    /// Lets hand `hand` grip a body now, whatever the scene says: the one of this name, or where
+    /// there is none the nearest one under its pads; with this force \[N\], or one that holds its
+    /// weight. A hand that grips opens first. Returns the object's name. Takes some milliseconds
+    /// the first time, and allocates.
     ///
     /// # Errors
     /// There is no such hand or body, or the hand cannot grip so.
@@ -124,7 +126,8 @@ impl Session {
         self.grips.get(hand)?.as_ref()?.state()
     }
 
-    /// What is amiss with the present grip of a hand, in a sentence that names the object, the kind and the figure.
+    /// What is amiss with the present grip of a hand, in a sentence that names the object, the kind
+    /// and the figure.
     pub fn grip_trouble(&self, hand: usize) -> Option<String> {
         let state = self.grip_state(hand)?;
         let opposition = self.grips[hand].as_ref()?.opposition(state.order.kind)?;
@@ -133,7 +136,8 @@ impl Session {
         Some(format!("hand `{}`: {said}", self.built.hands[hand].name))
     }
 
-    /// What can be foreseen to be amiss with the grips of the scene, a sentence each: objects that are too large, or slip out.
+    /// What can be foreseen to be amiss with the grips of the scene, a sentence each: objects that
+    /// are too large, or slip out.
     pub(super) fn grip_warnings(&self) -> Vec<String> {
         let hands = self.grips.iter().zip(&self.built.hands);
         let orders = hands.flat_map(|(gripping, hand)| {
@@ -155,8 +159,8 @@ impl Session {
         Some(format!("hand `{}`: {said}", hand.name))
     }
 
-    /// Trouble with an object that moves and that friction alone carries, where all hands that hold it at that time press with
-    /// less than its weight needs.
+    /// Trouble with an object that moves and that friction alone carries, where all hands that hold
+    /// it at that time press with less than its weight needs.
     fn slippery(&self, hand: &BuiltHand, order: &Order, object: BodyId) -> Option<Trouble> {
         let fixed = matches!(object, BodyId::Rigid(i)
             if self.world.desc().rigids[i as usize].motion != Motion::Dynamic);
@@ -181,7 +185,8 @@ impl Session {
         (force < needed).then_some(Trouble::Slippery { needed, friction })
     }
 
-    /// Puts the grips' targets over those of scripts and poses, for a step that ends at time `t` \[s\].
+    /// Puts the grips' targets over those of scripts and poses, for a step that ends at time `t`
+    /// \[s\].
     pub(super) fn steer_grips(&mut self, t: f64) {
         let h = self.world.time_step();
         for k in 0..self.grips.len() {
@@ -286,7 +291,8 @@ impl Session {
         (0..rigids).map(BodyId::Rigid).chain((0..softs).map(BodyId::Soft))
     }
 
-    /// True if a hand could have its fingers around a body: not a part of any hand, and with a surface.
+    /// True if a hand could have its fingers around a body: not a part of any hand, and with a
+    /// surface.
     fn is_object(&self, hand: usize, body: BodyId) -> bool {
         let is_part = |built: &BuiltHand| match body {
             BodyId::Rigid(i) => built.handle.bones.contains(&i),
@@ -351,7 +357,8 @@ pub struct GripsRef<'a>(&'a Session, IfNone);
 
 impl Serialize for GripsRef<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        // Of a session in which nothing was ever gripped there is nothing to tell: its frames are those of before.
+        // Of a session in which nothing was ever gripped there is nothing to tell: its frames are
+        // those of before.
         if self.1 == IfNone::Nothing && self.0.grips.iter().all(Option::is_none) {
             return to.serialize_unit();
         }

@@ -15,8 +15,8 @@ pub struct HandLoad {
     pub shear: f64,
     /// Area in contact \[m²\].
     pub area: f64,
-    /// Mean pressure \[Pa\]: normal force on skin, without that on bones, over area; zero where no skin
-    /// touches. Of the most that did, that at the largest normal force.
+    /// Mean pressure \[Pa\]: normal force on skin, without that on bones, over area; zero where no
+    /// skin touches. Of the most that did, that at the largest normal force.
     pub pressure: f64,
 }
 
@@ -45,7 +45,8 @@ impl HandLoad {
 pub const PARTS: [Digit; 6] =
     [Digit::Palm, Digit::Thumb, Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
 
-/// What presses on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is crushed.
+/// What presses on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is
+/// crushed.
 pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] {
     let mut sums = [PatchSum::default(); 6];
     for contact in contacts {

@@ -1,5 +1,5 @@
-//! What a session remembers besides the state of its world: with both, another session from the same
-//! source goes on with the same bits.
+//! What a session remembers besides the state of its world: with both, another session from the
+//! same source goes on with the same bits.
 
 use super::{Session, drive};
 use crate::flat::{FlatTarget, Flattened, target};
@@ -17,7 +17,8 @@ pub struct Memory {
     /// Settings that were changed, by key.
     set: Vec<(String, Value)>,
     hands: Vec<HandMemory>,
-    /// What hands grip, one for each; empty where nobody said. A frame keeps it apart, behind what came to it before.
+    /// What hands grip, one for each; empty where nobody said. A frame keeps it apart, behind what
+    /// came to it before.
     #[serde(skip)]
     pub(crate) grips: Vec<Option<GripMemory>>,
 }

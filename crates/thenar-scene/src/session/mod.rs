@@ -162,8 +162,8 @@ impl Session {
         &mut self.world
     }
 
-    /// Fills how bones answer, for the haptic loop; see [`World::condense`]. After a step that was taken back,
-    /// or left to the stand-in, nobody knows the contact forces: there is no response.
+    /// Fills how bones answer, for the haptic loop; see [`World::condense`]. After a step that was
+    /// taken back, or left to the stand-in, nobody knows the contact forces: there is no response.
     pub fn condense(&mut self, bones: Range<u32>, to: &mut SlowToFast) -> bool {
         if self.report.non_finite || self.report.fell_back {
             to.response.clear();
@@ -198,7 +198,8 @@ impl Session {
         self.world.rigid_pose(hand.handle.bones.start) * hand.wrist_B()
     }
 
-    /// The twenty angles of a hand as they are \[rad\], see [`BuiltHand::angles`]; NaN for those that it lacks.
+    /// The twenty angles of a hand as they are \[rad\], see [`BuiltHand::angles`]; NaN for those
+    /// that it lacks.
     ///
     /// # Panics
     /// When there is no hand `hand`.
@@ -212,12 +213,14 @@ impl Session {
         hand.angles().map(|range| range.map_or(f64::NAN, angle))
     }
 
-    /// A pose of a hand with its wrist's frame there in the world, digits bent from rest so that the middle of each one's pad
-    /// comes to its place (thumb first, world \[m\]), and how far each ends from it \[m\]: infinity for a digit that the
-    /// hand lacks, zero for one without a place. For [`Session::live_pose`].
+    /// A pose of a hand with its wrist's frame there in the world, digits bent from rest so that
+    /// the middle of each one's pad comes to its place (thumb first, world \[m\]), and how far each
+    /// ends from it \[m\]: infinity for a digit that the hand lacks, zero for one without a place.
+    /// For [`Session::live_pose`].
     ///
     /// # Errors
-    /// There is no such hand, poses cannot move it, wrist or places are not finite, or the wrist is far away.
+    /// There is no such hand, poses cannot move it, wrist or places are not finite, or the wrist is
+    /// far away.
     pub fn reaching(
         &self,
         hand: usize,

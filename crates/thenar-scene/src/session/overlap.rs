@@ -9,7 +9,8 @@ use thenar_core::world::Overlap;
 /// Two bodies that a scene starts inside each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartOverlap {
-    /// What the scene calls the bodies; of a hand, its name and the part that is deepest: `right (thumb)`.
+    /// What the scene calls the bodies; of a hand, its name and the part that is deepest:
+    /// `right (thumb)`.
     pub bodies: [String; 2],
     /// How deep \[m\].
     pub depth: f64,

@@ -71,8 +71,8 @@ impl Session {
         self.steps += 1;
     }
 
-    /// Puts all bodies where another session from the same source, or another simulation of the same
-    /// world, has them. False, and nothing changes, when the state does not fit.
+    /// Puts all bodies where another session from the same source, or another simulation of the
+    /// same world, has them. False, and nothing changes, when the state does not fit.
     pub fn resume(&mut self, state: &State) -> bool {
         let fits = self.world.restore(state);
         if fits {

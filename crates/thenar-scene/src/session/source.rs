@@ -19,14 +19,15 @@ pub struct Source {
     pub hands: Hands,
     /// Length of left and right hands \[m\], where it is not the scene's.
     pub lengths: [Option<f64>; 2],
-    /// The hand that the scene means where it does not say: another one in recordings of earlier programs.
+    /// The hand that the scene means where it does not say: another one in recordings of earlier
+    /// programs.
     #[serde(skip, default = "usual")]
     pub usual_hand: PresetWord,
 }
 
 impl Source {
-    /// A hash of the scene's text and overrides, and of the state that it starts in: snapshots carry it, so that none
-    /// enters another scene. FNV-1a.
+    /// A hash of the scene's text and overrides, and of the state that it starts in: snapshots
+    /// carry it, so that none enters another scene. FNV-1a.
     pub fn identity(&self, start: u64) -> u64 {
         let overrides = self.overrides.iter().flat_map(|set| [set.as_bytes(), b"\n"]);
         let texts = std::iter::once(self.text.as_bytes()).chain(overrides);

@@ -8,7 +8,8 @@ use thenar_core::world::Energy;
 pub struct Summary {
     /// Most contact constraints in one step.
     pub contacts_max: u32,
-    /// Most contacts left out in one step: see [`StepReport::contacts_dropped`](thenar_core::world::StepReport).
+    /// Most contacts left out in one step: see
+    /// [`StepReport::contacts_dropped`](thenar_core::world::StepReport).
     pub contacts_dropped_max: u32,
     /// Largest distance between the two sides of a joint \[m\].
     pub joint_gap_max: f64,

@@ -1,8 +1,8 @@
 //! Judgement of a run by the steps that were taken back in it.
 
-/// Largest share of the steps that may be taken back, as their numbers were not finite, before a run
-/// has failed. A step that is taken back lets no time pass: of the simulated time as much is missing,
-/// and one part in a hundred is what figures of a run are read to.
+/// Largest share of the steps that may be taken back, as their numbers were not finite, before a
+/// run has failed. A step that is taken back lets no time pass: of the simulated time as much is
+/// missing, and one part in a hundred is what figures of a run are read to.
 const SHARE_MAX: f64 = 0.01;
 
 /// A run that has failed: too many of its steps were taken back.

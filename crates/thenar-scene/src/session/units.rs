@@ -18,8 +18,9 @@ struct Named<'a> {
 }
 
 impl Named<'_> {
-    /// Asks about the unit of a mesh that is too long or too short, or heavier than what hands move where there are any.
-    /// `mass` \[kg\] is that of the body that it is; 0 leaves it out. What stands `still` may be a room.
+    /// Asks about the unit of a mesh that is too long or too short, or heavier than what hands move
+    /// where there are any. `mass` \[kg\] is that of the body that it is; 0 leaves it out. What
+    /// stands `still` may be a room.
     fn question(&self, mass: f64, still: bool, hands: bool) -> Option<String> {
         let counted = if hands { mass } else { 0.0 };
         let body = Extent { longest: self.size.max(), mass: counted, still };
@@ -34,7 +35,8 @@ impl Named<'_> {
 }
 
 impl Session {
-    /// A question for each mesh that is longer or shorter than what hands hold, or heavier than what they move, with the scale that would make it so.
+    /// A question for each mesh that is longer or shorter than what hands hold, or heavier than
+    /// what they move, with the scale that would make it so.
     pub(super) fn unit_questions(&self) -> Vec<String> {
         self.rigid_questions().chain(self.soft_questions()).collect()
     }

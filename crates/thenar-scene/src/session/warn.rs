@@ -29,8 +29,8 @@ impl Session {
         warnings
     }
 
-    /// What the scene means beyond what it says, a sentence each: hands that are not the usual ones because of the
-    /// solver.
+    /// What the scene means beyond what it says, a sentence each: hands that are not the usual ones
+    /// because of the solver.
     pub fn notes(&self) -> Vec<String> {
         let note = |hand: &Hand| {
             format!(

@@ -1,4 +1,5 @@
-//! The witness of a session: everything that enters is reported to it, so that the session can be replayed.
+//! The witness of a session: everything that enters is reported to it, so that the session can be
+//! replayed.
 
 use super::Session;
 use crate::grip::Order;

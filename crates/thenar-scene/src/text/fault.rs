@@ -82,7 +82,8 @@ fn prefix(key: &str) -> String {
 }
 
 impl Fault {
-    /// A fault at a place. What is long of key and problem is shortened: both may repeat what a user wrote.
+    /// A fault at a place. What is long of key and problem is shortened: both may repeat what a
+    /// user wrote.
     pub fn new(place: &SourcePlace, key: impl Into<String>, problem: impl Into<String>) -> Self {
         let (key, problem) = (brief(&key.into()), brief(&problem.into()));
         Self { place: place.clone(), key, problem }

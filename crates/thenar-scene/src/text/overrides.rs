@@ -3,8 +3,8 @@
 use super::node::Entry;
 use super::{Fault, Node, SourcePlace, Value};
 
-/// Most parts of a dotted key: as many as the TOML reader takes in a file (its recursion limit). Trees are
-/// walked by recursion.
+/// Most parts of a dotted key: as many as the TOML reader takes in a file (its recursion limit).
+/// Trees are walked by recursion.
 const PARTS_MAX: usize = 80;
 
 /// A dotted key and its value, e.g. `rigid.0.mass` and `2.5`.

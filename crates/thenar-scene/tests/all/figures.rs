@@ -1,5 +1,6 @@
-//! Goal: figures of flesh on any bones stand, reach and grip as their scenes say, and keep their momentum by themselves.
-//! Method: the shipped scenes, run whole; a free body thrashed by its own motors; scenes in which something is wrong.
+//! Goal: figures of flesh on any bones stand, reach and grip as their scenes say, and keep their
+//! momentum by themselves. Method: the shipped scenes, run whole; a free body thrashed by its own
+//! motors; scenes in which something is wrong.
 
 use crate::accuracy::Accuracy;
 use std::path::Path;
@@ -58,7 +59,8 @@ fn a_whole_body_stands() {
     assert!((weight / (9.81 * mass) - 1.0).abs() < 0.01, "{weight} N under {mass} kg");
 }
 
-/// Momentum and spin, and the fastest bone's speed, of a body that thrashes without weight for 0.6 s.
+/// Momentum and spin, and the fastest bone's speed, of a body that thrashes without weight for 0.6
+/// s.
 fn thrashed(time_step: f64) -> ([Vec3; 2], f64) {
     let text = format!(
         r#"
@@ -84,9 +86,9 @@ key = [
     (world.momentum(), speeds.fold(0.0, f64::max))
 }
 
-/// As A8 of a hand: what motors do is internal. Momentum is kept; spin as far as the step is short: implicit dampers of
-/// flesh and springs take it at the end of the step, so that what is off falls with the step, and is a hundredth of what
-/// a limb of 7 kg has at that speed and half a metre.
+/// As A8 of a hand: what motors do is internal. Momentum is kept; spin as far as the step is short:
+/// implicit dampers of flesh and springs take it at the end of the step, so that what is off falls
+/// with the step, and is a hundredth of what a limb of 7 kg has at that speed and half a metre.
 #[test]
 fn a_body_that_moves_its_limbs_keeps_its_momentum() {
     let [coarse, fine] = [0.005, 0.0025].map(thrashed);
@@ -158,11 +160,12 @@ fn motors_follow_keys_and_know_their_limit() {
     let half = angle(&free);
     run_to(&mut free, 1.2);
     let whole = angle(&free);
-    // Halfway in time is halfway, and bent flesh takes off less than a fifth: it has 0.4 N m/rad at most beside 2.
+    // Halfway in time is halfway, and bent flesh takes off less than a fifth: it has 0.4 N m/rad at
+    // most beside 2.
     assert!((half / whole - 0.5).abs() < 0.1, "{half} of {whole}");
     assert!((32.0..40.0).contains(&whole), "{whole}");
-    // A load against the motor holds it where its torque and the load's balance, whatever its stiffness; one that is larger
-    // than the largest torque drives it back to the end of its range.
+    // A load against the motor holds it where its torque and the load's balance, whatever its
+    // stiffness; one that is larger than the largest torque drives it back to the end of its range.
     let loaded = |torque_max: f64, load: f64| {
         let more = format!(", torque_max = {torque_max}");
         let text = format!(
@@ -181,8 +184,8 @@ fn motors_follow_keys_and_know_their_limit() {
     assert!(weak < -15.0, "driven back to {weak}");
 }
 
-/// A motor at its limit gives that torque, no less where it moves with it and no more where it is driven back: a free
-/// rod of known inertia speeds up by τ/I.
+/// A motor at its limit gives that torque, no less where it moves with it and no more where it is
+/// driven back: a free rod of known inertia speeds up by τ/I.
 #[test]
 fn a_motor_at_its_limit_gives_its_torque() {
     let text = r#"

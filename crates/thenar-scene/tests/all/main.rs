@@ -1,5 +1,5 @@
-//! Scenes and sessions, in one binary: `cargo test -p thenar-scene --test all probes::` runs a part. Tests that count
-//! allocations stand apart.
+//! Scenes and sessions, in one binary: `cargo test -p thenar-scene --test all probes::` runs a
+//! part. Tests that count allocations stand apart.
 
 mod accuracy;
 mod contact;

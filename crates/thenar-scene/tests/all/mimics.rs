@@ -1,10 +1,12 @@
-//! Goal: joints that mimic another are moved by its motor alone, share its torque, and hold one another. Method: a gripper of two
-//! fingers, written here as URDF; what they do is held against a rigid linkage and against the two springs that stand for it.
+//! Goal: joints that mimic another are moved by its motor alone, share its torque, and hold one
+//! another. Method: a gripper of two fingers, written here as URDF; what they do is held against a
+//! rigid linkage and against the two springs that stand for it.
 
 use std::path::PathBuf;
 use thenar_scene::session::Session;
 
-/// A palm and two fingers side by side, of which the right one turns by `law` of the left one's angle.
+/// A palm and two fingers side by side, of which the right one turns by `law` of the left one's
+/// angle.
 fn urdf(law: &str) -> String {
     let finger = |name: &str, x: f64, mimic: &str| {
         format!(
@@ -83,7 +85,8 @@ fn load(joint: &str, torque: f64) -> String {
     )
 }
 
-/// Keys lead the left finger; the right one is where the file's law says, on the way and at its end.
+/// Keys lead the left finger; the right one is where the file's law says, on the way and at its
+/// end.
 #[test]
 fn a_mimic_goes_where_its_law_says() {
     let gripper = Gripper::new("mimic-law", "multiplier='-0.5' offset='0.1'");
@@ -101,9 +104,9 @@ fn a_mimic_goes_where_its_law_says() {
     }
 }
 
-/// A load τ on the finger that mimics: of the rigid linkage both give way by τ/k. Here each has a spring of k/2 and the link
-/// 4 k, so that `x_l = τ · 4k/(k/2 · 8.5 k) = 0.941 τ/k` and `x_r = τ · 4.5k/(k/2 · 8.5 k) = 1.059 τ/k`. Bent flesh holds
-/// a little, too.
+/// A load τ on the finger that mimics: of the rigid linkage both give way by τ/k. Here each has a
+/// spring of k/2 and the link 4 k, so that `x_l = τ · 4k/(k/2 · 8.5 k) = 0.941 τ/k` and
+/// `x_r = τ · 4.5k/(k/2 · 8.5 k) = 1.059 τ/k`. Bent flesh holds a little, too.
 #[test]
 fn a_load_on_a_mimic_turns_its_leader() {
     let gripper = Gripper::new("mimic-load", "multiplier='1'");
@@ -127,20 +130,23 @@ fn a_gear_multiplies_torque() {
     let mut session = gripper.runs(MOTOR, &load("right", torque));
     run_to(&mut session, 1.0);
     let [left, right] = angles(&session);
-    // Springs at the leader, in τ/k of the torque there, -2 τ; the mimic's own angle is -2 of its place at the leader.
+    // Springs at the leader, in τ/k of the torque there, -2 τ; the mimic's own angle is -2 of its
+    // place at the leader.
     let whole = -2.0 * torque / 20.0;
     assert!((left / (0.941 * whole) - 1.0).abs() < 0.04, "{left} rad");
     assert!((right / (-2.0 * 1.059 * whole) - 1.0).abs() < 0.04, "{right} rad");
 }
 
-/// The largest torque is that of the motor, which both fingers share: alone the mimic bears it whole, and more drives both back.
+/// The largest torque is that of the motor, which both fingers share: alone the mimic bears it
+/// whole, and more drives both back.
 #[test]
 fn the_largest_torque_is_that_of_the_whole_train() {
     let gripper = Gripper::new("mimic-torque", "multiplier='1'");
     let motor = MOTOR.replace(" }]", ", torque_max = 0.5 }]");
     let pushed = |torque: f64| {
         let mut session = gripper.runs(&motor, &load("right", torque));
-        // What is left of 0.2 N m drives both through the links' brake of 2 · 80 · 0.002 N m s/rad: 0.6 rad/s.
+        // What is left of 0.2 N m drives both through the links' brake of 2 · 80 · 0.002 N m s/rad:
+        // 0.6 rad/s.
         run_to(&mut session, 2.5);
         angles(&session)
     };

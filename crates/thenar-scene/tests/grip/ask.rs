@@ -1,4 +1,5 @@
-//! What cannot be had is told: when the scene is opened, or while it runs, in one sentence that names the figure.
+//! What cannot be had is told: when the scene is opened, or while it runs, in one sentence that
+//! names the figure.
 
 use crate::stage::{Stage, open};
 use std::path::Path;
@@ -93,7 +94,8 @@ fn complaints(stage: &Stage, adapts: bool, end: f64) -> Vec<String> {
     said
 }
 
-/// A friction of 0.02 × that of skin holds nothing round: it is gone before it is pressed, which is no lack of strength.
+/// A friction of 0.02 × that of skin holds nothing round: it is gone before it is pressed, which is
+/// no lack of strength.
 #[test]
 fn a_ball_that_squirts_out_is_told_as_such() {
     let stage = Stage { friction: 0.02, ..Stage::ball("touch", GripKind::Pinch, 2.0, 1e-2) };
@@ -106,8 +108,8 @@ fn a_ball_that_squirts_out_is_told_as_such() {
     assert!(long.clone().all(|word| word.len() < 7), "{said:?}");
 }
 
-/// A box of 200 by 50 by 200 mm lies on a table: its 50 mm are between top and table, where no finger gets to, and 200 mm
-/// are more than the pads of any hand open to.
+/// A box of 200 by 50 by 200 mm lies on a table: its 50 mm are between top and table, where no
+/// finger gets to, and 200 mm are more than the pads of any hand open to.
 #[test]
 fn a_box_that_lies_on_its_flat_side_is_too_large() {
     let object = "[[rigid]]\nname = \"table\"\nshape = { kind = \"plane\" }\nmotion = \"fixed\"\n\
@@ -175,7 +177,8 @@ fn a_session_that_starts_over_grips_again() {
     assert_eq!(hashes[0], hashes[1]);
 }
 
-/// Whoever moves a hand live grips with it: the scene's grip lets go of a hand that poses take over, and does not begin on one that they move.
+/// Whoever moves a hand live grips with it: the scene's grip lets go of a hand that poses take
+/// over, and does not begin on one that they move.
 #[test]
 fn a_hand_that_is_moved_live_leaves_the_grips_of_the_scene() {
     for taken in [0.0, 0.4] {

@@ -29,7 +29,8 @@ const BAR: [&str; 3] = [
     "{ kind = \"capsule\", radius = 0.01, length = 0.14 }",
     "{ kind = \"capsule\", radius = 0.02, length = 0.14 }",
 ];
-/// From the axes of the fingers' first bones to the handle [m]: that of an index finger is 12 mm under its skin.
+/// From the axes of the fingers' first bones to the handle [m]: that of an index finger is 12 mm
+/// under its skin.
 const BEFORE: f64 = 0.02;
 /// Part of the first bone, from the knuckle, before which the handle is.
 const ALONG: f64 = 0.5;
@@ -108,8 +109,8 @@ impl Bag {
     }
 }
 
-/// A handle sinks into pads, and fingers give way to its weight, by less than this [m]: a third of what a
-/// finger is thick.
+/// A handle sinks into pads, and fingers give way to its weight, by less than this [m]: a third of
+/// what a finger is thick.
 const SINKS: f64 = 5e-3;
 
 /// Carries what it lifts, and lets it hang still.
@@ -160,7 +161,8 @@ fn a_bar_is_carried_at_every_step() {
     }
 }
 
-/// Fingers bend towards a force, which a hanging load is part of: they squeeze a bar of 100 g with what is asked.
+/// Fingers bend towards a force, which a hanging load is part of: they squeeze a bar of 100 g with
+/// what is asked.
 #[test]
 fn a_hook_presses_with_the_force_asked_for() {
     let held = hold(&mut Bag { more: "force = 5", ..Bag::of(BAR[1], 0.01, 0.1) }.session());

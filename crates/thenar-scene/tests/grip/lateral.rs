@@ -43,7 +43,8 @@ impl Key {
         )
     }
 
-    /// Wrist of a hand whose pads are level, with their middle at the origin, and the direction between them.
+    /// Wrist of a hand whose pads are level, with their middle at the origin, and the direction
+    /// between them.
     fn stand(&self) -> (Pose, Vec3) {
         let text = format!("version = 1\n{}", self.hand("", &Pose::identity()));
         let session = open(&text);

@@ -5,8 +5,8 @@ use thenar_core::model::{BodyId, Digit};
 use thenar_scene::grip::{GripKind, Phase};
 use thenar_scene::session::Session;
 
-/// A round thing rocks on two soft pads as a pendulum about the line between them, and is damped by flesh alone: at 1 ms by
-/// 0.4 mm to either side. More is slip [m].
+/// A round thing rocks on two soft pads as a pendulum about the line between them, and is damped by
+/// flesh alone: at 1 ms by 0.4 mm to either side. More is slip [m].
 const ROCKING: f64 = 1e-3;
 
 /// Holds what it lifts: within a tenth of the force, never a fifth above it, and still in the hand.
@@ -41,7 +41,8 @@ fn a_left_hand_pinches_as_a_right_one() {
     check(&Stage { side: "left", ..Stage::ball("paper", GripKind::Pinch, 2.0, 5e-3) }, ROCKING);
 }
 
-/// One triangle of the paper's hand bears a ball of 45 or 50 mm at each pad: held at one point the first swung by 1.4 mm, the other by 0.3.
+/// One triangle of the paper's hand bears a ball of 45 or 50 mm at each pad: held at one point the
+/// first swung by 1.4 mm, the other by 0.3.
 #[test]
 fn a_larger_ball_does_not_swing_between_two_triangles() {
     for (side, radius) in [("right", 0.0225), ("left", 0.025)] {
@@ -59,8 +60,8 @@ fn three_fingers_and_all_fingers_hold_a_ball() {
     check(&Stage::large_ball("paper", 4.0, 5e-3), ROCKING);
 }
 
-/// Without a force, a tripod of the default hand begins with 2.5 times `m g / (2 μ)`, and rises to four times that at most. All
-/// three digits bear a part of it, and friction carries the weight.
+/// Without a force, a tripod of the default hand begins with 2.5 times `m g / (2 μ)`, and rises to
+/// four times that at most. All three digits bear a part of it, and friction carries the weight.
 #[test]
 fn the_hand_for_touch_holds_balls_in_a_tripod_without_a_force() {
     for (radius, mass, h) in [(0.015, 0.03, 1e-2), (0.02, 0.05, 1.0 / 60.0), (0.03, 0.15, 1e-2)] {
@@ -112,8 +113,8 @@ fn borne(session: &Session) -> [f64; 6] {
     borne
 }
 
-/// Where nothing is between them, thumb and fingers press against each other with the force asked for: fingers that touch
-/// beside each other do not count.
+/// Where nothing is between them, thumb and fingers press against each other with the force asked
+/// for: fingers that touch beside each other do not count.
 #[test]
 fn thumb_and_fingers_press_against_each_other_without_an_object() {
     for (kind, force) in [("pinch", 1.0), ("tripod", 1.0), ("power", 1.0)] {
@@ -239,8 +240,9 @@ fn egg() -> String {
     text
 }
 
-/// Two pads carry 2 μ F: a cube of 100 g with μ = 0.5 slips through below F = 0.98 N. Its sides face the pads of the default
-/// hand; the paper's has its index finger across the upper edge, and slips off that.
+/// Two pads carry 2 μ F: a cube of 100 g with μ = 0.5 slips through below F = 0.98 N. Its sides
+/// face the pads of the default hand; the paper's has its index finger across the upper edge, and
+/// slips off that.
 #[test]
 fn the_slip_limit_is_that_of_statics() {
     let cube = |force: f64| Stage {

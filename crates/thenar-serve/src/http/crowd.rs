@@ -1,11 +1,12 @@
 //! Connections that are no sessions, counted; and which of them has to go when there is no place.
 //!
-//! A visitor who has asked for something that it may have, with `--lan` by showing the token, keeps a place until it
-//! leaves. Strangers, who have connected and shown nothing yet, have as many places of their own. When these are taken, a newcomer does not
-//! wait and is not refused: the stranger that has been there longest goes, of the address with the most
-//! of them, and of addresses from which nobody was let in sooner than of others. So connections that are
-//! opened and left keep nobody out: to shake hands and to ask takes milliseconds, and a newcomer is the
-//! last to go.
+//! A visitor who has asked for something that it may have, with `--lan` by showing the token, keeps
+//! a place until it leaves. Strangers, who have connected and shown nothing yet, have as many
+//! places of their own. When these are taken, a newcomer does not wait and is not refused: the
+//! stranger that has been there longest goes, of the address with the most of them, and of
+//! addresses from which nobody was let in sooner than of others. So connections that are opened and
+//! left keep nobody out: to shake hands and to ask takes milliseconds, and a newcomer is the last
+//! to go.
 
 use super::options::RequestLimits;
 use std::collections::{HashMap, HashSet};

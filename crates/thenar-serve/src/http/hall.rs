@@ -1,8 +1,9 @@
 //! Sessions, and which of them has to go when there is no place for another.
 //!
 //! A ping follows whatever a client is sent, and only who has read up to it can answer it. A
-//! session that answers has its place as long as it likes. One that lets a ping wait takes in nothing of
-//! what the server is for: when all places are taken, the one that has waited longest goes.
+//! session that answers has its place as long as it likes. One that lets a ping wait takes in
+//! nothing of what the server is for: when all places are taken, the one that has waited longest
+//! goes.
 
 use std::hash::{BuildHasher, RandomState};
 use std::sync::{Arc, Mutex, PoisonError, Weak};

@@ -2,9 +2,10 @@
 //!
 //! One thread of its own serves everybody, so that clients together never take more than one core
 //! from the simulation. Guaranteed: no client makes the simulation or another client wait; what a
-//! client may cost is bounded by [`RequestLimits`]; pages of other origins and, with [`Reach::Lan`],
-//! everyone without the pairing token get a refusal and nothing else. Not guaranteed: that a
-//! visitor with the token is well-meaning, or that a flood of packets leaves the network usable.
+//! client may cost is bounded by [`RequestLimits`]; pages of other origins and, with
+//! [`Reach::Lan`], everyone without the pairing token get a refusal and nothing else. Not
+//! guaranteed: that a visitor with the token is well-meaning, or that a flood of packets leaves the
+//! network usable.
 
 mod certificate;
 mod connection;

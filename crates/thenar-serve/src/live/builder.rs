@@ -1,5 +1,5 @@
-//! Makes scenes ready on a thread of their own, one at a time; of several wishes the last counts, and ends
-//! what is being made for another.
+//! Makes scenes ready on a thread of their own, one at a time; of several wishes the last counts,
+//! and ends what is being made for another.
 
 use super::source::{Catalogue, LiveError, ReadyScene, Recipe};
 use crate::hub::ClientId;

@@ -1,5 +1,5 @@
-//! Devices beside the page: the haptic loop's simulation side, and poses from the page as one of its
-//! trackers.
+//! Devices beside the page: the haptic loop's simulation side, and poses from the page as one of
+//! its trackers.
 
 use crate::dead_man::DeadMan;
 use crate::protocol::{PoseBody, PoseMessage, text};

@@ -147,7 +147,8 @@ mod tests {
         ready.session.scene().solver.as_ref().unwrap().contact_work_max
     }
 
-    /// 4e9 multiply-adds a second, in steps of 5 ms and of 1 ms, and what the wearer of a scene asks for.
+    /// 4e9 multiply-adds a second, in steps of 5 ms and of 1 ms, and what the wearer of a scene
+    /// asks for.
     #[test]
     fn contact_of_live_scenes_is_bounded_unless_they_say_how() {
         let scene = SceneSource::Builtin("falling-box".into());

@@ -90,9 +90,9 @@ impl Deck {
         }
     }
 
-    /// Sets out for the step at `seconds`: from the present place if it lies ahead and no keyframe is
-    /// nearer, else from the last keyframe before it. One step at least is made, so that there are
-    /// contacts to be seen.
+    /// Sets out for the step at `seconds`: from the present place if it lies ahead and no keyframe
+    /// is nearer, else from the last keyframe before it. One step at least is made, so that there
+    /// are contacts to be seen.
     ///
     /// # Errors
     /// The recording cannot be read.

@@ -1,5 +1,5 @@
-//! A recorded session in the place of a live one: made again at its own pace, with the same messages to
-//! clients.
+//! A recorded session in the place of a live one: made again at its own pace, with the same
+//! messages to clients.
 //!
 //! Clients pause, go step by step, choose speed and place. Whatever else they send is refused: what
 //! moves a recorded session is in the recording. Nobody watching, it waits.
@@ -44,7 +44,8 @@ pub struct Playback {
 }
 
 impl Playback {
-    /// Reads a recording through, makes its first scene, or that at `from` \[s\], and starts the thread.
+    /// Reads a recording through, makes its first scene, or that at `from` \[s\], and starts the
+    /// thread.
     ///
     /// # Errors
     /// It cannot be replayed, or no thread can be started.

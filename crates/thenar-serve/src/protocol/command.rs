@@ -83,7 +83,8 @@ pub enum Command {
     },
     /// Let forces through to the devices.
     Arm {
-        /// Also when this client has gone. Without it forces last while it is there and says `hold`.
+        /// Also when this client has gone. Without it forces last while it is there and says
+        /// `hold`.
         #[serde(default)]
         keep: bool,
     },

@@ -5,7 +5,8 @@ use thenar_core::Vec3;
 use thenar_core::model::BodyId;
 use thenar_core::world::ContactPoint;
 
-/// Contacts in one snapshot; the flag [`super::flags::CONTACTS_LEFT_OUT`] says that there were more.
+/// Contacts in one snapshot; the flag [`super::flags::CONTACTS_LEFT_OUT`] says that there were
+/// more.
 pub const CONTACTS_MAX: usize = 512;
 /// Stands for a body without a surface of vertices.
 const NO_VERTEX: u16 = u16::MAX;
@@ -33,8 +34,9 @@ pub fn put(contact: &ContactPoint, out: &mut Bytes) {
     out.f32(contact.gap);
 }
 
-/// A unit vector as two numbers, good to 1e-4 rad: projected onto the octahedron `|x| + |y| + |z| = 1`,
-/// whose lower half is folded over the upper one (Cigolle et al. 2014); 1 becomes 32767.
+/// A unit vector as two numbers, good to 1e-4 rad: projected onto the octahedron
+/// `|x| + |y| + |z| = 1`, whose lower half is folded over the upper one (Cigolle et al. 2014); 1
+/// becomes 32767.
 fn octahedral(n: &Vec3) -> [i16; 2] {
     let size = n.x.abs() + n.y.abs() + n.z.abs();
     let [x, y] = [n.x / size, n.y / size];

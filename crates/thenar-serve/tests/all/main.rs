@@ -1,5 +1,6 @@
-//! Messages and the simulation's thread, in one binary: `cargo test -p thenar-serve --test all playback::` runs a part.
-//! The server on real sockets is `http`.
+//! Messages and the simulation's thread, in one binary:
+//! `cargo test -p thenar-serve --test all playback::` runs a part. The server on real sockets is
+//! `http`.
 
 mod control;
 #[path = "../decoder/mod.rs"]

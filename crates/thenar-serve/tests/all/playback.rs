@@ -1,6 +1,7 @@
-//! Goal: a recorded session is shown as it was: the same states at the same places, at its own pace; with
-//! pause, steps and places to go to, and with nothing that clients could change. Method: sessions are
-//! recorded while their states are kept, and a visitor at the hub of the replay compares.
+//! Goal: a recorded session is shown as it was: the same states at the same places, at its own
+//! pace; with pause, steps and places to go to, and with nothing that clients could change. Method:
+//! sessions are recorded while their states are kept, and a visitor at the hub of the replay
+//! compares.
 
 use crate::visitor::Visitor;
 use std::path::PathBuf;
@@ -151,7 +152,8 @@ fn it_takes_its_own_time_and_begins_again() {
     one.until_status("the middle", |s| (0.59..0.7).contains(&place(s)) && s["speed"] == 0.5);
     let begun = Instant::now();
     one.until_status("the end", |s| place(s) > 1.19);
-    // Half a second and more, never sooner than at half the speed; later, where the machine is busy.
+    // Half a second and more, never sooner than at half the speed; later, where the machine is
+    // busy.
     assert!(begun.elapsed() > Duration::from_millis(800), "{:?}", begun.elapsed());
     one.until_status("the beginning again", |s| place(s) < 0.3);
     assert_eq!(one.status()["problem"], serde_json::Value::Null);

@@ -1,6 +1,6 @@
-//! Goal: a live session is recorded whole: poses of a page, settings, resets, other scenes and hands,
-//! and what comes after a failure; and its replay gives the same bits. Method: a visitor at the hub of
-//! a running simulation with a recording as its witness, which is then replayed.
+//! Goal: a live session is recorded whole: poses of a page, settings, resets, other scenes and
+//! hands, and what comes after a failure; and its replay gives the same bits. Method: a visitor at
+//! the hub of a running simulation with a recording as its witness, which is then replayed.
 
 use crate::visitor::Visitor;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
-//! Goal: a page arms and stops devices, a stop acts while the simulation stands still, and forces last
-//! no longer than the page that armed them. Method: a simulation whose watcher blocks it; a display
-//! in memory whose guards put up with a busy machine; sockets.
+//! Goal: a page arms and stops devices, a stop acts while the simulation stands still, and forces
+//! last no longer than the page that armed them. Method: a simulation whose watcher blocks it; a
+//! display in memory whose guards put up with a busy machine; sockets.
 
 use crate::visitor::Visitor;
 use serde_json::Value;
@@ -145,8 +145,9 @@ impl Page {
         number
     }
 
-    /// Answers every report for so long, and forces stay on. A machine that stands still for longer than half
-    /// the silence allowed (three seconds) has kept the page from answering: that try does not count.
+    /// Answers every report for so long, and forces stay on. A machine that stands still for longer
+    /// than half the silence allowed (three seconds) has kept the page from answering: that try
+    /// does not count.
     fn holds(&mut self, long: Duration) {
         let mut begun = Instant::now();
         let mut answered = begun;
@@ -222,8 +223,8 @@ fn a_page_whose_socket_is_lost_takes_its_forces_with_it() {
     }
 }
 
-/// A page that hangs keeps its socket, and nobody can press Stop on it. Takes seven seconds: four in which
-/// silence would have ended the forces, and three of silence.
+/// A page that hangs keeps its socket, and nobody can press Stop on it. Takes seven seconds: four
+/// in which silence would have ended the forces, and three of silence.
 #[test]
 fn forces_last_while_the_page_answers() {
     let felt = Felt::start();

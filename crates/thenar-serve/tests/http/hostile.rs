@@ -206,7 +206,8 @@ fn who_never_reads_is_cut_off() {
     good.watch(50);
 }
 
-/// Clients send answers to pings that they have not read, and other signs of life, from all places there are.
+/// Clients send answers to pings that they have not read, and other signs of life, from all places
+/// there are.
 #[test]
 fn who_reads_nothing_gives_way_to_who_does() {
     let stage = Stage::desk();

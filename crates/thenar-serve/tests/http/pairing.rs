@@ -198,8 +198,8 @@ fn two_starts_have_different_tokens() {
     assert_ne!(Lan::new().token, Lan::new().token);
 }
 
-/// Connections that nobody goes on with, in every state before the token: silent, in the middle of the
-/// handshake, shaken hands, half a request.
+/// Connections that nobody goes on with, in every state before the token: silent, in the middle of
+/// the handshake, shaken hands, half a request.
 fn half_open(lan: &Lan, count: usize) -> Vec<Box<dyn std::any::Any>> {
     let open = |k: usize| -> Box<dyn std::any::Any> {
         match k % 4 {

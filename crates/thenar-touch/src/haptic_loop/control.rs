@@ -108,8 +108,8 @@ impl Remote {
         self.0.unanswered.store(true, Ordering::Release);
     }
 
-    /// Says whether a dead-man switch is held. Released, forces fade; held again they return through
-    /// wait and ramp.
+    /// Says whether a dead-man switch is held. Released, forces fade; held again they return
+    /// through wait and ramp.
     pub fn hold(&self, held: bool) {
         self.0.enabled.store(held, Ordering::Release);
     }
@@ -188,7 +188,8 @@ pub struct HandStatus {
     pub simulation_age: f64,
     /// The display that the hand feels, by its number, and what that display renders.
     pub display: Option<(u8, Rendering)>,
-    /// Stiffest that a blocked finger is felt \[N/m\], and the delay from motion to force that bounds it \[s\].
+    /// Stiffest that a blocked finger is felt \[N/m\], and the delay from motion to force that
+    /// bounds it \[s\].
     pub felt_stiffness: f64,
     /// See `felt_stiffness`.
     pub delay: f64,

@@ -80,7 +80,8 @@ impl Core {
         })
     }
 
-    /// Guards of these displays, all off, for a number of hands; allocates, so it is called outside the loop.
+    /// Guards of these displays, all off, for a number of hands; allocates, so it is called outside
+    /// the loop.
     ///
     /// # Errors
     /// As [`Core::new`].
@@ -130,7 +131,8 @@ impl Core {
         self.actuators.iter_mut().for_each(Actuators::arm);
     }
 
-    /// Lets forces fade as fast as their slew limits allow, and then stops all displays until armed.
+    /// Lets forces fade as fast as their slew limits allow, and then stops all displays until
+    /// armed.
     pub fn fade_out(&mut self, reason: Trip) {
         self.note(Input::Fade(reason));
         if self.armed && self.stopped.is_none() {

@@ -6,8 +6,8 @@ use std::time::Duration;
 /// Waits for deadlines of [`now_ns`].
 ///
 /// On Linux by `clock_nanosleep` with an absolute time of the monotonic clock, so that being
-/// interrupted between reading the clock and sleeping costs nothing. Elsewhere it sleeps until half a
-/// millisecond before the deadline and spins for the rest.
+/// interrupted between reading the clock and sleeping costs nothing. Elsewhere it sleeps until half
+/// a millisecond before the deadline and spins for the rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Alarm {
     /// The system's monotonic clock minus ours \[ns\].

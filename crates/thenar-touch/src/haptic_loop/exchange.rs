@@ -67,8 +67,8 @@ pub struct FastEnds {
     pub input: Option<Output<world::Input>>,
 }
 
-/// Slots that hold this frame; for a simulation within the loop also its state, and what acts in it,
-/// all of this size.
+/// Slots that hold this frame; for a simulation within the loop also its state, and what acts in
+/// it, all of this size.
 pub fn slots(frame: &Frame, within: Option<(&State, &world::Input)>) -> (SlowEnds, FastEnds) {
     let bones: &[RigidState] = &frame.bones.bones;
     let (frame_in, frame_out) = triple_buffer(frame);

@@ -17,7 +17,8 @@ use thenar_core::world::Target;
 use thenar_core::{Pose, Vec3};
 use thenar_track::live::{LiveHand, Mover, STALE, checked};
 
-/// After a longer gap between samples a hand begins afresh, and so it does after such a gap between ticks \[s\].
+/// After a longer gap between samples a hand begins afresh, and so it does after such a gap between
+/// ticks \[s\].
 const AFRESH: f64 = 0.1;
 /// A tick longer than this is taken as if it were this long \[s\].
 const STEP_MAX: f64 = 0.02;
@@ -143,7 +144,8 @@ impl LoopHand {
         if !goes_on {
             self.newest = Newest::default();
         }
-        // Nor does one that says the same again say where the hand is, whether or not it was believed.
+        // Nor does one that says the same again say where the hand is, whether or not it was
+        // believed.
         if !self.newest.hears(sample.time_ns) {
             return false;
         }
@@ -179,8 +181,8 @@ impl LoopHand {
 
     /// Holds a hand still that is not seen.
     fn hold_still(&mut self, now_ns: u64) {
-        // A hand that is led goes on by a few milliseconds at most when the loop stood still: its time is behind then, and after so
-        // long it begins afresh.
+        // A hand that is led goes on by a few milliseconds at most when the loop stood still: its
+        // time is behind then, and after so long it begins afresh.
         let stood_still = self.last_ns.is_some_and(|last| seconds_between(last, now_ns) > AFRESH);
         let Some(held) = &mut self.held else { return };
         if stood_still || held.is_over(now_ns) {
@@ -308,7 +310,8 @@ impl LoopHand {
         self.felt.as_ref().map_or(0.0, Felt::seen_late)
     }
 
-    /// From the motion of the finger that is felt stiffest to the force that answers it \[s\], as far as that is known.
+    /// From the motion of the finger that is felt stiffest to the force that answers it \[s\], as
+    /// far as that is known.
     pub fn delay(&self) -> f64 {
         let Some(felt) = &self.felt else { return 0.0 };
         self.stiffest().map_or(0.0, |bone| felt.delay(bone))

@@ -20,12 +20,12 @@
 //!   ended for 20 ms. Behind it each device's thread does the same for itself.
 //! - The **monitor** is a thread without priority: it counts how late ticks are, keeps the last
 //!   five seconds of signals and writes them into a file when the guards trip.
-//! - Displays get zeros until [`Remote::arm`]: a dry run. Every way out sends zeros: the end of
-//!   the program, a signal (with [`stop_all`] in its handler), a panic in any of the threads, a lost
+//! - Displays get zeros until [`Remote::arm`]: a dry run. Every way out sends zeros: the end of the
+//!   program, a signal (with [`stop_all`] in its handler), a panic in any of the threads, a lost
 //!   device, a lost simulation. A process that is killed outright can send nothing: a keeper
 //!   (`thenar-link` has it) does it in its place, for devices that can be told.
-//! - What entered in the last seconds is kept and written down at a trip ([`incident`]), so that it can be made
-//!   again to the same bits.
+//! - What entered in the last seconds is kept and written down at a trip ([`incident`]), so that it
+//!   can be made again to the same bits.
 //!
 //! The simulation's side is a [`SimulationPort`]: called before and after each step, on whatever
 //! thread steps.
@@ -85,7 +85,8 @@ use std::time::Duration;
 const RECORDS: usize = 16_384;
 /// How long the threads have to end.
 const ENDING: Duration = Duration::from_millis(500);
-/// How long the monitor has, which may have an incident of tens of MB to write; forces have ended by then.
+/// How long the monitor has, which may have an incident of tens of MB to write; forces have ended
+/// by then.
 const WRITING: Duration = Duration::from_secs(10);
 /// Name of the monitor's thread.
 const MONITOR: &str = "monitor";
@@ -104,7 +105,8 @@ pub struct Shared {
 }
 
 impl Shared {
-    /// Locks what hands brought along that are about to be felt. A loop that was refused it from the start has said so.
+    /// Locks what hands brought along that are about to be felt. A loop that was refused it from
+    /// the start has said so.
     fn lock_hands(&self) {
         if !self.in_real_time || self.control.unlocked.load(Ordering::Acquire) {
             return;
@@ -370,8 +372,8 @@ fn register(shared: &Arc<Shared>) {
     loops.push(Arc::downgrade(shared));
 }
 
-/// Stops the forces of every loop in this process, within a tick: for the thread that handles signals,
-/// and for panic hooks. Waits for a loop that is just being made, for 20 ms at most.
+/// Stops the forces of every loop in this process, within a tick: for the thread that handles
+/// signals, and for panic hooks. Waits for a loop that is just being made, for 20 ms at most.
 pub fn stop_all() {
     let Some(loops) = crate::lock_soon(all()) else { return };
     for shared in loops.iter().filter_map(Weak::upgrade) {

@@ -20,9 +20,8 @@ struct PageTracker {
     timing: TrackerTiming,
 }
 
-/// Both ends, of a page whose poses come so often and so late
-/// (a profile of the page says how): a page sees hands through a headset's cameras, or a webcam, and
-/// tells nobody when it saw them.
+/// Both ends, of a page whose poses come so often and so late (a profile of the page says how): a
+/// page sees hands through a headset's cameras, or a webcam, and tells nobody when it saw them.
 pub fn page_tracker(timing: TrackerTiming) -> (PagePoses, Box<dyn Tracker>) {
     let [(left_in, left_out), (right_in, right_out)] = [(); 2].map(|()| triple_buffer(&None));
     let heard_ns = Arc::new(AtomicU64::new(0));

@@ -26,8 +26,8 @@ pub enum LoopMode {
     Multirate,
     /// The whole simulation steps within the tick.
     SingleRate,
-    /// Proxies, and contact solved anew each tick on the condensed frame; frames without a response, of
-    /// the two-step scheme, as in `Multirate`.
+    /// Proxies, and contact solved anew each tick on the condensed frame; frames without a
+    /// response, of the two-step scheme, as in `Multirate`.
     #[default]
     Shared,
 }
@@ -63,7 +63,8 @@ struct PortHand {
     first: usize,
     drives: Vec<Option<Drive>>,
     ends: SlowEnds,
-    /// A flag for frames that have a response, and how often the world was retuned when that was last looked at.
+    /// A flag for frames that have a response, and how often the world was retuned when that was
+    /// last looked at.
     responds: bool,
     retuned: u64,
     /// The hand in empty air, where frames have no response that tells of it.
@@ -107,8 +108,8 @@ impl SimulationPort {
         }
     }
 
-    /// Puts the hands of a simulation into the loop, in place of those before. Of several hands of one
-    /// side the first is felt the others keep their scripts. Allocates.
+    /// Puts the hands of a simulation into the loop, in place of those before. Of several hands of
+    /// one side the first is felt the others keep their scripts. Allocates.
     ///
     /// # Errors
     /// Its hands cannot be felt. The loop is without hands then.
@@ -284,8 +285,9 @@ impl SimulationPort {
         if self.mode == LoopMode::Shared { CONTACTS_MAX } else { 0 }
     }
 
-    /// Before a step, at `now_ns`: the newest proxies become the targets of the bones. Hands whose drives were
-    /// changed are put into the loop anew, and other settings carried over, which allocates; otherwise nothing does.
+    /// Before a step, at `now_ns`: the newest proxies become the targets of the bones. Hands whose
+    /// drives were changed are put into the loop anew, and other settings carried over, which
+    /// allocates; otherwise nothing does.
     ///
     /// # Errors
     /// As [`SimulationPort::attach`].

@@ -33,7 +33,8 @@ pub struct TickRecord {
     pub ages: [f32; 2],
     /// Simulated contacts that press, with shared constraints.
     pub contacts: u32,
-    /// Stiffest that a blocked finger is felt \[N/m\], and the delay from motion to force that it was chosen for \[s\].
+    /// Stiffest that a blocked finger is felt \[N/m\], and the delay from motion to force that it
+    /// was chosen for \[s\].
     pub stiffness: f32,
     /// See `stiffness`.
     pub delay: f32,

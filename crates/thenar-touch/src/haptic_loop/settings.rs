@@ -15,8 +15,9 @@ pub struct Settings {
     pub mode: LoopMode,
     /// Couplings to the tracked pose. Those to the bones are the scene's drives.
     pub design: CouplingDesign,
-    /// Damping of the loosest grip that the wearer is taken to have \[N s/m\]: what is felt is no stiffer than such a
-    /// hand bears behind the delay of its tracker ([`crate::GRIP`]). `None` shows the couplings as they are.
+    /// Damping of the loosest grip that the wearer is taken to have \[N s/m\]: what is felt is no
+    /// stiffer than such a hand bears behind the delay of its tracker ([`crate::GRIP`]). `None`
+    /// shows the couplings as they are.
     pub grip: Option<f64>,
     /// Part of a device's rating that the user allows, where it is less than the device's own.
     pub user_fraction: Option<f64>,
@@ -64,8 +65,9 @@ pub(super) fn fitted(
     (design, warnings.collect())
 }
 
-/// Warnings of a coupling as such a display shows it to a wearer of this grip: cut to what the grip bears behind the display's own delay,
-/// before any tracker's. There are none where it moves no finger by itself.
+/// Warnings of a coupling as such a display shows it to a wearer of this grip: cut to what the grip
+/// bears behind the display's own delay, before any tracker's. There are none where it moves no
+/// finger by itself.
 fn warnings(
     rendering: Rendering,
     grip: Option<f64>,
@@ -147,7 +149,8 @@ mod tests {
         };
         assert!(passive.ends_with("the passivity limit of 80 N/m"), "{passive}");
         assert!(stable.ends_with("the stability limit of 11 N/m"), "{stable}");
-        // A grip of 1 N s/m is shown 0.85 / 110 ms = 7.7 N/m at most, below all limits; one of 1000 N s/m all of the coupling.
+        // A grip of 1 N s/m is shown 0.85 / 110 ms = 7.7 N/m at most, below all limits; one of 1000
+        // N s/m all of the coupling.
         assert!(said(Rendering::Tendons, Some(GRIP), &SERVOS).is_empty());
         assert_eq!(said(Rendering::Tendons, Some(1e3), &SERVOS).len(), 2);
         // Servos that stop a finger give out nothing.

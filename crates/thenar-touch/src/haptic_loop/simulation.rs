@@ -1,4 +1,5 @@
-//! The simulation as the loop sees it: what a [`SimulationPort`](super::SimulationPort) asks of whoever steps.
+//! The simulation as the loop sees it: what a [`SimulationPort`](super::SimulationPort) asks of
+//! whoever steps.
 
 use crate::SlowToFast;
 use std::ops::Range;
@@ -39,11 +40,12 @@ pub trait Simulation {
     /// There is no such hand, or poses cannot move it.
     fn live_hand(&self, index: usize) -> Result<LiveHand, LiveError>;
 
-    /// Puts all bodies where another simulation of the same world has them. False, and nothing changes, when the
-    /// state does not fit.
+    /// Puts all bodies where another simulation of the same world has them. False, and nothing
+    /// changes, when the state does not fit.
     fn resume(&mut self, state: &State) -> bool;
 
-    /// Leads a hand to these targets from the next step on. False, and nothing changes, when it cannot be led there.
+    /// Leads a hand to these targets from the next step on. False, and nothing changes, when it
+    /// cannot be led there.
     fn lead(
         &mut self,
         index: usize,

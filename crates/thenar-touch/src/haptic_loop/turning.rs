@@ -1,14 +1,15 @@
 //! How stiff a turn of the palm is felt: the rule of [`Felt`] in angle.
 //!
-//! A handle is held by fingers at some distance from the axis that it turns about. Each damps with b at its lever r, so that
-//! a grip of b damps turns with `b r²`, and torque on a spring of κ behind the delay t_d oscillates by itself above
-//! `κ = b r²/(T/2 + t_d)`: what the rule allows a spring of `κ/r²` at the lever. Damping grows with the force of a grip
-//! (Hasser and Cutkosky 2002, of a knob in a pinch); the least of it is a pinch of the loosest fingers.
+//! A handle is held by fingers at some distance from the axis that it turns about. Each damps with
+//! b at its lever r, so that a grip of b damps turns with `b r²`, and torque on a spring of κ
+//! behind the delay t_d oscillates by itself above `κ = b r²/(T/2 + t_d)`: what the rule allows a
+//! spring of `κ/r²` at the lever. Damping grows with the force of a grip (Hasser and Cutkosky 2002,
+//! of a knob in a pinch); the least of it is a pinch of the loosest fingers.
 
 use crate::{Felt, FeltBounds, Proxy, series_stiffness};
 
-/// From the axis of a turn to the fingers that hold on \[m\]: half a phalanx, as couplings and limits of torques have it. A
-/// wider grip, and the wrist behind it, damp more.
+/// From the axis of a turn to the fingers that hold on \[m\]: half a phalanx, as couplings and
+/// limits of torques have it. A wider grip, and the wrist behind it, damp more.
 pub(super) const GRIP_LEVER: f64 = 0.02;
 
 /// The rule for turns of a bone that is held by this proxy, of whose torque this part is shown.
@@ -23,8 +24,8 @@ mod tests {
     use crate::{CouplingDesign, GRIP, LoopProfile, MARGIN, Observation, TrackerTiming};
     use thenar_core::math::Mat3;
 
-    /// Bones that are soft to push and stiff to turn, and the other way round: turning is cut by what a pinch damps, within 80
-    /// and 100 % of Gil's rule, or not at all.
+    /// Bones that are soft to push and stiff to turn, and the other way round: turning is cut by
+    /// what a pinch damps, within 80 and 100 % of Gil's rule, or not at all.
     #[test]
     fn turns_are_cut_to_the_rule_in_angle() {
         let [delay, damping, friction, resolution] = [0.0; 4];

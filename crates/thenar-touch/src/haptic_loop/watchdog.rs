@@ -29,8 +29,8 @@ pub fn run(shared: &Arc<Shared>) {
         let failed = control.failed.load(Ordering::Acquire);
         let silent = beat_ns > 0 && now_ns().saturating_sub(beat_ns) > PATIENCE_NS;
         if silent || failed {
-            // The guards begin anew at the first tick after the gap by themselves, or trip, and say how
-            // long it was; in a loop that lives no stop has to be asked for.
+            // The guards begin anew at the first tick after the gap by themselves, or trip, and say
+            // how long it was; in a loop that lives no stop has to be asked for.
             if !barking {
                 control.barks.fetch_add(1, Ordering::Relaxed);
             }

@@ -27,13 +27,14 @@ pub struct Signal<const N: usize> {
 /// Ticks for which a clock may stand still before it is broken.
 const STUCK_TICKS: u32 = 100;
 
-/// Part of the damping that is left where velocities are seen late: a late damper is stable against a hand of more
-/// damping than its own, whatever the delay. What is felt leaves 15 % of the loosest grip's 1 N s/m to it, of the
-/// usual 2 N s/m.
+/// Part of the damping that is left where velocities are seen late: a late damper is stable against
+/// a hand of more damping than its own, whatever the delay. What is felt leaves 15 % of the loosest
+/// grip's 1 N s/m to it, of the usual 2 N s/m.
 const DELAYED: f64 = (1.0 - MARGIN) * GRIP / 2.0;
 
-/// After a pause forces come back once nothing has paused them for this many times the longest that any news may be late
-/// before it does, 0.2 s: what comes too rarely, again and again, would be felt as knocking.
+/// After a pause forces come back once nothing has paused them for this many times the longest that
+/// any news may be late before it does, 0.2 s: what comes too rarely, again and again, would be
+/// felt as knocking.
 const SURE: f64 = 4.0 / 3.0;
 
 /// How far forces got since they were armed.
@@ -138,13 +139,14 @@ impl<const N: usize> Guard<N> {
         self.wearer.see_late(delay);
     }
 
-    /// The hand that is felt is on its way to where its wearer's is, as after a teleport, or has arrived: on the way it meets
-    /// things that its wearer does not.
+    /// The hand that is felt is on its way to where its wearer's is, as after a teleport, or has
+    /// arrived: on the way it meets things that its wearer does not.
     pub fn see_away(&mut self, away: bool) {
         self.away = away;
     }
 
-    /// Bound of the energy given out that [`Guard::energy`] cannot know of yet, for the delay \[J\].
+    /// Bound of the energy given out that [`Guard::energy`] cannot know of yet, for the delay
+    /// \[J\].
     pub fn hidden(&self) -> f64 {
         self.wearer.hidden()
     }
@@ -214,7 +216,8 @@ impl<const N: usize> Guard<N> {
         }
         let even: [f64; N] =
             std::array::from_fn(|i| gain * wanted[i] - damping * signal.velocity[i]);
-        // Damping takes force away and never adds to what is wanted: noise in the velocity would be felt as kicks.
+        // Damping takes force away and never adds to what is wanted: noise in the velocity would be
+        // felt as kicks.
         let even = at_most(&even, gain * length(&wanted));
         // Neither fade nor ramp nor damping may undo stages 3 and 4.
         Ok(approach(&self.exact, &self.clamp(&even), change))
@@ -276,9 +279,9 @@ impl<const N: usize> Guard<N> {
         self.trust
     }
 
-    /// Waiting, ramp, full force: the part of the wanted force that passes. Who arms, or takes hold of a dead-man switch,
-    /// has to want little force first. Any other pause is over once its cause is, however much is wanted: what was
-    /// held is held still, and is felt again by a ramp.
+    /// Waiting, ramp, full force: the part of the wanted force that passes. Who arms, or takes hold
+    /// of a dead-man switch, has to want little force first. Any other pause is over once its cause
+    /// is, however much is wanted: what was held is held still, and is felt again by a ramp.
     fn engage(&mut self, dt: f64, pause: Option<Pause>, wanted: f64) -> f64 {
         if pause.is_some() {
             if pause == Some(Pause::DeadMan) {
@@ -350,7 +353,8 @@ impl<const N: usize> Guard<N> {
     fn clamp(&self, force: &[f64; N]) -> [f64; N] {
         let pulled = if self.limits.unilateral { force.map(|f| f.max(0.0)) } else { *force };
         let (size, max) = (length(&pulled), self.limits.force_max());
-        // A finite vector may have an infinite length; it is then cut by its largest component first.
+        // A finite vector may have an infinite length; it is then cut by its largest component
+        // first.
         if size.is_infinite() {
             let largest = pulled.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
             return self.clamp(&pulled.map(|f| f / largest * max));

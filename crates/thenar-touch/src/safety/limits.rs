@@ -11,7 +11,8 @@ pub struct Limits {
     pub user_fraction: f64,
     /// Components are never negative: a tendon pulls.
     pub unilateral: bool,
-    /// An actuator that holds and never pushes: a stop, or what is shown as vibration. It gives out no energy.
+    /// An actuator that holds and never pushes: a stop, or what is shown as vibration. It gives out
+    /// no energy.
     pub passive: bool,
     /// Largest change per second \[N/s\].
     pub slew: f64,
@@ -25,13 +26,13 @@ pub struct Limits {
     pub tracking_hold: f64,
     /// How long either fade takes \[s\].
     pub fade: f64,
-    /// Trust that has faded takes so long to come back from nothing \[s\]: force that fades before each
-    /// frame of a slow simulation stays low, and does not buzz.
+    /// Trust that has faded takes so long to come back from nothing \[s\]: force that fades before
+    /// each frame of a slow simulation stays low, and does not buzz.
     pub regain: f64,
     /// A device that has been silent for longer fades, and then pauses the output \[s\].
     pub device_silence_max: f64,
-    /// After a longer gap between two ticks forces begin anew \[s\]: whoever watched over the loop has
-    /// let go by then.
+    /// After a longer gap between two ticks forces begin anew \[s\]: whoever watched over the loop
+    /// has let go by then.
     pub gap_hold: f64,
     /// One that is still longer trips \[s\].
     pub gap_max: f64,
@@ -156,7 +157,8 @@ impl Limits {
                 return Err(LimitError { name, value, wanted: "positive and finite" });
             }
         }
-        // The whole rating in a millisecond or one tick is a blow; no limb is as fast as 100 m/s or rad/s; who waits for a minute believes that nothing comes.
+        // The whole rating in a millisecond or one tick is a blow; no limb is as fast as 100 m/s or
+        // rad/s; who waits for a minute believes that nothing comes.
         let upper_ends = [
             (
                 "slew",

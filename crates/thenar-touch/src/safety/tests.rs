@@ -320,8 +320,9 @@ fn lost_tracking_a_silent_device_and_a_released_switch_pause_within_the_slew_lim
     }
 }
 
-/// A device that is silent for 25 ms now and then, as a busy machine makes it: 20 ms are held, the next 5 fade by a
-/// tenth, which comes back within a tenth of what trust takes. No wait, no ramp of two seconds.
+/// A device that is silent for 25 ms now and then, as a busy machine makes it: 20 ms are held, the
+/// next 5 fade by a tenth, which comes back within a tenth of what trust takes. No wait, no ramp of
+/// two seconds.
 #[test]
 fn short_silences_fade_and_come_back_without_the_ramp() {
     let mut now = MS;
@@ -351,7 +352,8 @@ fn short_silences_fade_and_come_back_without_the_ramp() {
     assert!(back <= 25 + (100.0 * limits.regain) as u64 + 1, "{back} ms");
 }
 
-/// The controller damps by less force, never by more than is wanted, whatever noise the velocity has.
+/// The controller damps by less force, never by more than is wanted, whatever noise the velocity
+/// has.
 #[test]
 fn damping_never_raises_the_force() {
     let mut now = MS;
@@ -408,7 +410,8 @@ fn trips_are_zero_at_once_and_latched_with_their_numbers() {
     assert!((gap_s - 0.6).abs() < 1e-12);
 }
 
-/// After a gap force begins anew, from zero: it ramps once the gap is 0.2 s ago, whatever is wanted.
+/// After a gap force begins anew, from zero: it ramps once the gap is 0.2 s ago, whatever is
+/// wanted.
 #[test]
 fn a_loop_that_stood_still_begins_anew() {
     let mut now = MS;
@@ -435,8 +438,8 @@ fn a_loop_that_stood_still_begins_anew() {
     assert_eq!(guard.status(), Status::Live);
 }
 
-/// Frames every 80 ms are 30 ms older than they may be, six tenths of the fade, when the next one comes:
-/// four to six tenths of the force are left, where following each frame's age it would buzz
+/// Frames every 80 ms are 30 ms older than they may be, six tenths of the fade, when the next one
+/// comes: four to six tenths of the force are left, where following each frame's age it would buzz
 /// between four and ten at 12 Hz.
 #[test]
 fn a_simulation_below_20_hz_weakens_force_and_does_not_make_it_buzz() {
@@ -454,8 +457,8 @@ fn a_simulation_below_20_hz_weakens_force_and_does_not_make_it_buzz() {
     }
     let [least, most] =
         [f64::min, f64::max].map(|f| forces[1000..].iter().copied().reduce(f).unwrap());
-    // 79 ms is the oldest: 1 - 29/50. From there 2 per mille come back in a millisecond, until an age a
-    // with 0.42 + 0.002 a = 1 - (a - 50)/50, 71.8 ms, when the next fade begins.
+    // 79 ms is the oldest: 1 - 29/50. From there 2 per mille come back in a millisecond, until an
+    // age a with 0.42 + 0.002 a = 1 - (a - 50)/50, 71.8 ms, when the next fade begins.
     assert!((least - 5.0 * 0.42).abs() < 0.05, "{least} N");
     assert!((most - 5.0 * 0.5636).abs() < 0.05, "{most} N");
     // Slower than 10 Hz nothing is left, and it says why.
@@ -468,8 +471,8 @@ fn a_simulation_below_20_hz_weakens_force_and_does_not_make_it_buzz() {
     };
 }
 
-/// Five newtons wanted of a finger that opens by 0.1 m/s, half a watt: a motor has spent its reserve
-/// of 60 mJ after 0.12 s; a stop lets the finger go.
+/// Five newtons wanted of a finger that opens by 0.1 m/s, half a watt: a motor has spent its
+/// reserve of 60 mJ after 0.12 s; a stop lets the finger go.
 #[test]
 fn a_stop_gives_out_no_energy() {
     let run = |passive: bool| {
@@ -606,8 +609,8 @@ fn senseless_limits_are_refused() {
     }
 }
 
-/// Behind 30 ms, a guard that trips while it pushes and is armed anew: the force of before the trip did its work before,
-/// and motion that is seen now does not meet it.
+/// Behind 30 ms, a guard that trips while it pushes and is armed anew: the force of before the trip
+/// did its work before, and motion that is seen now does not meet it.
 #[test]
 fn forces_of_before_a_trip_are_forgotten() {
     let mut now = 0;

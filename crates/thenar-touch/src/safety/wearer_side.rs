@@ -1,13 +1,17 @@
-//! The account of energy at the wearer's side: which force acted when the motion was made that is seen now.
+//! The account of energy at the wearer's side: which force acted when the motion was made that is
+//! seen now.
 //!
-//! What is measured of the wearer is old by the delay t_d of tracker and chain. Force now times velocity now is then
-//! the power of neither instant: a spring that hums behind a delay seems to be even while it gives out `π K X² sin ω
-//! t_d` a cycle. So each velocity meets the force that was sent t_d ago. What the account cannot see yet is what the
-//! forces of the last t_d did: no more than their impulse times the fastest motion of late ([`WearerSide::hidden`]).
+//! What is measured of the wearer is old by the delay t_d of tracker and chain. Force now times
+//! velocity now is then the power of neither instant: a spring that hums behind a delay seems to be
+//! even while it gives out `π K X² sin ω t_d` a cycle. So each velocity meets the force that was
+//! sent t_d ago. What the account cannot see yet is what the forces of the last t_d did: no more
+//! than their impulse times the fastest motion of late ([`WearerSide::hidden`]).
 
-/// Intervals that are remembered: a quarter of a second of ticks at 1 kHz, and at any rate twice the delay.
+/// Intervals that are remembered: a quarter of a second of ticks at 1 kHz, and at any rate twice
+/// the delay.
 const KEPT: usize = 256;
-/// Parts of the delay: ticks that are shorter share an interval, which is known to 1 % of the delay then.
+/// Parts of the delay: ticks that are shorter share an interval, which is known to 1 % of the delay
+/// then.
 const PARTS: f64 = KEPT as f64 / 2.0;
 
 /// Forces of the last intervals, the newest last.
@@ -74,8 +78,8 @@ impl<const N: usize> WearerSide<N> {
         self.delay > 2e-3
     }
 
-    /// Takes in the interval just past, in which `force` was held for `dt` and this speed was seen; the force that was
-    /// held when that motion was made.
+    /// Takes in the interval just past, in which `force` was held for `dt` and this speed was seen;
+    /// the force that was held when that motion was made.
     pub fn take(&mut self, force: [f64; N], dt: f64, speed: f64) -> [f64; N] {
         let tick = Interval { force, dt, speed };
         let newest = &mut self.ring[(self.next + KEPT - 1) % KEPT];
@@ -122,8 +126,8 @@ mod tests {
     use crate::safety::Passivity;
     use std::f64::consts::{PI, TAU};
 
-    /// A delay that is no number is as late as can be: each motion meets the oldest force that is remembered, and all of
-    /// them may be hidden. After a new start no force of before counts.
+    /// A delay that is no number is as late as can be: each motion meets the oldest force that is
+    /// remembered, and all of them may be hidden. After a new start no force of before counts.
     #[test]
     fn no_number_is_as_late_as_can_be() {
         let mut side = WearerSide::<1>::new();
@@ -139,12 +143,13 @@ mod tests {
         assert_eq!((side.take([0.0], 1e-3, 0.5), side.hidden()), ([0.0], 0.0));
     }
 
-    /// A spring of 160 N/m that hums at 9 Hz by 5 mm behind a delay: it gives out `π K X² sin ω t_d` a cycle. The
-    /// account at the wearer's side says so, that of the present says nearly nothing; what is hidden is within its
-    /// bound.
+    /// A spring of 160 N/m that hums at 9 Hz by 5 mm behind a delay: it gives out
+    /// `π K X² sin ω t_d` a cycle. The account at the wearer's side says so, that of the present
+    /// says nearly nothing; what is hidden is within its bound.
     #[test]
     fn a_hum_behind_a_delay_is_accounted_as_it_is() {
-        // A tick of 20 kHz is as good as one of 1 kHz, and so is a delay that is longer than 256 ticks.
+        // A tick of 20 kHz is as good as one of 1 kHz, and so is a delay that is longer than 256
+        // ticks.
         for (h, delay) in [(1e-3, 0.03), (1.0 / 8000.0, 0.05), (5e-5, 0.03), (1e-3, 0.36)] {
             hums(h, delay);
         }

@@ -23,7 +23,8 @@ pub struct SharedConstraints {
     bent: Vec<[Vec3; 2]>,
     /// Turn of each proxy since the frame \[rad\], where that is known already.
     turned: Vec<Option<Vec3>>,
-    /// Displacements of the bones that the forces of contacts that do not act here would take away \[m, rad\].
+    /// Displacements of the bones that the forces of contacts that do not act here would take away
+    /// \[m, rad\].
     missed: Vec<f64>,
     /// Displacements q of the bones, those of the tick before, and their rates.
     moved: Vec<f64>,
@@ -149,8 +150,9 @@ impl SharedConstraints {
         }
     }
 
-    /// Says what the linear response does not know of a bone that has turned: how far it is off its tangent \[m\], and what turns it
-    /// besides \[N m\], both in the world; `turned` is how far its proxy has turned since the frame \[rad\].
+    /// Says what the linear response does not know of a bone that has turned: how far it is off its
+    /// tangent \[m\], and what turns it besides \[N m\], both in the world; `turned` is how far its
+    /// proxy has turned since the frame \[rad\].
     pub fn bend(&mut self, bone: usize, off: Vec3, torque: Vec3, turned: Vec3) {
         (self.bent[bone], self.turned[bone]) = ([off, torque], Some(turned));
     }
@@ -161,7 +163,8 @@ impl SharedConstraints {
         self.turned.fill(None);
     }
 
-    /// True if contact that acts here bore load in the frame, or anything else from outside did: limits of joints do not count.
+    /// True if contact that acts here bore load in the frame, or anything else from outside did:
+    /// limits of joints do not count.
     pub fn bears(&self, frame: &Condensed) -> bool {
         let bears = |(i, contact): (usize, &CondensedContact)| {
             !frame.is_limit(i) && contact.force != Vec3::zeros()
@@ -185,8 +188,8 @@ impl SharedConstraints {
         self.bent[bone]
     }
 
-    /// `k δ`, less the loads in empty air: what the moved proxies pull at the bones. A proxy that is not finite pulls
-    /// nothing.
+    /// `k δ`, less the loads in empty air: what the moved proxies pull at the bones. A proxy that
+    /// is not finite pulls nothing.
     fn pull(&mut self, frame: &Condensed, proxies: &[RigidState]) {
         for (i, proxy) in proxies.iter().enumerate() {
             let (spring, target) = (&frame.springs[i], &frame.targets[i].pose_WB);
@@ -250,7 +253,8 @@ impl SharedConstraints {
     }
 }
 
-/// Adds to the displacements `q` of the bones what a `change` of the force of contact `i` \[N\] moves them by.
+/// Adds to the displacements `q` of the bones what a `change` of the force of contact `i` \[N\]
+/// moves them by.
 fn add_lifted(frame: &Condensed, i: usize, change: &Vec3, q: &mut [f64]) {
     for r in 0..3 {
         if change[r] != 0.0 {

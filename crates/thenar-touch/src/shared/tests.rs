@@ -1,6 +1,6 @@
 //! Goal: the condensed, fast solve is the uncondensed one. Method: a random elastic system of bones
-//! and nodes, solved directly with all unknowns; active sets by enumeration; Coulomb's law checked on
-//! the direct solution; one-dimensional cases by hand.
+//! and nodes, solved directly with all unknowns; active sets by enumeration; Coulomb's law checked
+//! on the direct solution; one-dimensional cases by hand.
 
 use super::*;
 use crate::RigidState;
@@ -253,8 +253,8 @@ fn over_a_floor(gap: f64, friction: f64) -> Condensed {
     frame
 }
 
-/// Pressed below the floor and dragged: normal force k (depth - gap); the tangential one follows the
-/// spring up to μ times it, keeps there, and comes back along the spring.
+/// Pressed below the floor and dragged: normal force k (depth - gap); the tangential one follows
+/// the spring up to μ times it, keeps there, and comes back along the spring.
 #[test]
 fn a_dragged_bone_sticks_slides_and_sticks_again() {
     let frame = over_a_floor(0.002, 0.5);

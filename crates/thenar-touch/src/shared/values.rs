@@ -1,9 +1,10 @@
 //! Values of contacts in one tick, worked out as far as the tick needs them.
 //!
-//! A frame lists all that may touch before the next, and most of that stays open in most ticks. How far an open contact is nobody needs to
-//! know, as long as it is open: what loads on the bones move it by is no more than the product of its row's length and theirs. What may
-//! close is worked out along its normal, and what closes, or bears force, along its tangents too. A contact that closes sticks from where
-//! it was in the tick before, which is worked out then.
+//! A frame lists all that may touch before the next, and most of that stays open in most ticks. How
+//! far an open contact is nobody needs to know, as long as it is open: what loads on the bones move
+//! it by is no more than the product of its row's length and theirs. What may close is worked out
+//! along its normal, and what closes, or bears force, along its tangents too. A contact that closes
+//! sticks from where it was in the tick before, which is worked out then.
 
 use super::{Condensed, CondensedContact};
 use thenar_core::math::Vec3;
@@ -127,7 +128,8 @@ impl Values {
         frame.add_response(i, change, &mut self.d);
     }
 
-    /// The value of contact `i`, which bears this force \[m\]; `None` while it is open and bears none.
+    /// The value of contact `i`, which bears this force \[m\]; `None` while it is open and bears
+    /// none.
     pub fn of(&mut self, frame: &Condensed, load: &[f64], i: usize, force: &Vec3) -> Option<Vec3> {
         if self.known[i] != Known::All && *force == Vec3::zeros() {
             if self.d[i].x > self.slack[i] {
@@ -198,7 +200,8 @@ impl Values {
     }
 }
 
-/// Lengths of the forces, or displacements, and of the torques, or turns, in a list of both for each bone.
+/// Lengths of the forces, or displacements, and of the torques, or turns, in a list of both for
+/// each bone.
 fn lengths(list: &[f64]) -> [f64; 2] {
     let mut squares = [0.0; 2];
     for both in list.as_chunks::<6>().0 {

@@ -1,5 +1,6 @@
-//! Goal: contacts that a tick need not look at change nothing. Method: the same sweeps over all values, worked out plainly, beside
-//! [`SharedConstraints`] over many ticks of contacts that close, slide, stick and open.
+//! Goal: contacts that a tick need not look at change nothing. Method: the same sweeps over all
+//! values, worked out plainly, beside [`SharedConstraints`] over many ticks of contacts that close,
+//! slide, stick and open.
 
 use super::*;
 use crate::RigidState;
@@ -16,7 +17,8 @@ const FRAMES: usize = 12;
 const SPRING: Drive =
     Drive { stiffness: 300.0, damping: 0.0, angular_stiffness: 0.1, angular_damping: 0.0 };
 
-/// Three bones on springs, whose many contacts are up to 2 cm away; some bear force, some are limits.
+/// Three bones on springs, whose many contacts are up to 2 cm away; some bear force, some are
+/// limits.
 fn frame(random: &mut Random) -> Condensed {
     let (n, m) = (6 * BONES, 3 * CONTACTS);
     let mut any = |rows: usize, columns: usize, size: f64| {

@@ -1,5 +1,5 @@
-//! Goal: the real coupling code, in the loop with a device, becomes unstable and active where theory
-//! says (validation E1, E3, E8). Method: simulated onsets against the published figures and
+//! Goal: the real coupling code, in the loop with a device, becomes unstable and active where
+//! theory says (validation E1, E3, E8). Method: simulated onsets against the published figures and
 //! against eigenvalues of the loop written down independently here.
 
 use super::*;
@@ -96,7 +96,8 @@ fn onsets_agree_with_eigenvalues_at_random() {
 }
 
 /// Against the published rules instead: passive up to the smaller of `2 (b - |B|)/T` and, with a
-/// quantised sensor, `2 f_c/Δ`; stable about up to `(b + B)/(T/2 + t_d)`, which `LoopProfile` warns by.
+/// quantised sensor, `2 f_c/Δ`; stable about up to `(b + B)/(T/2 + t_d)`, which `LoopProfile` warns
+/// by.
 #[test]
 fn onsets_agree_with_the_published_rules_at_random() {
     let mut quantised = 0;

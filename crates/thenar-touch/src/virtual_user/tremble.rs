@@ -9,9 +9,9 @@ use crate::{Proxies, ProxyError};
 const CYCLES: u32 = 50;
 
 impl Wall {
-    /// Energy that a hand wins in one cycle \[J\] when it trembles by `amplitude` \[m\] about an edge
-    /// of the sensor's step, at even speed between samples: what the wall gives less what friction
-    /// and damping of the device take. Positive means that the display is active.
+    /// Energy that a hand wins in one cycle \[J\] when it trembles by `amplitude` \[m\] about an
+    /// edge of the sensor's step, at even speed between samples: what the wall gives less what
+    /// friction and damping of the device take. Positive means that the display is active.
     ///
     /// # Errors
     /// The proxy is refused.

@@ -24,8 +24,8 @@ pub(super) fn on_axis(position: f64, velocity: f64) -> RigidState {
 }
 
 impl Wall {
-    /// A proxy that stands still: the device coupling alone, a plain sampled spring \[N/m\] and damper
-    /// \[N s/m\].
+    /// A proxy that stands still: the device coupling alone, a plain sampled spring \[N/m\] and
+    /// damper \[N s/m\].
     pub fn plain_proxy(stiffness: f64, damping: f64) -> Proxy {
         let drive = |stiffness: f64, damping: f64| Drive {
             stiffness,

@@ -1,7 +1,7 @@
 //! Goal: the condensed response that a world publishes is how its bones and contacts really answer.
 //! Method: a soft finger comes to rest, free and pressed on a floor; a proxy target is moved a
-//! little, and the world is stepped to rest again: what it does is compared with what the frame says
-//! that it would.
+//! little, and the world is stepped to rest again: what it does is compared with what the frame
+//! says that it would.
 
 use crate::common::{body, finger};
 use thenar_core::math::rotation_vector;

@@ -23,7 +23,8 @@ fn world_desc() -> WorldDesc {
     WorldDesc { time_step: STEP, gravity: Vec3::zeros(), ..WorldDesc::default() }
 }
 
-/// A bone without damping. Its inertia adds m/h² = 0.04 N/m to its coupling: a part in ten thousand.
+/// A bone without damping. Its inertia adds m/h² = 0.04 N/m to its coupling: a part in ten
+/// thousand.
 fn add_bone(desc: &mut WorldDesc, name: &str, position: Vec3) -> u32 {
     let mut bone = body(name, 1e-5, [3e-10; 3], position);
     bone.shape = Some(Shape::Sphere { radius: RADIUS });
@@ -176,8 +177,8 @@ fn two_hands_feel_each_other_through_what_they_hold() {
     }
 }
 
-/// Bread: soft, with its own inertia over a step, pressed into by 3 mm and then by a little more, less,
-/// and along. The whole step of the world is the reference.
+/// Bread: soft, with its own inertia over a step, pressed into by 3 mm and then by a little more,
+/// less, and along. The whole step of the world is the reference.
 #[test]
 fn soft_objects_answer_as_their_step_does() {
     let crumb = Material { law: Law::Corotational, young: 2e4, poisson: 0.2, density: 250.0 };

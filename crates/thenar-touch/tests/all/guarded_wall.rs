@@ -80,8 +80,9 @@ fn a_wall_that_is_too_stiff_is_damped_until_it_rests() {
     let run = guarded(Limits { ramp: 0.5, ..Limits::rated(12.0) });
     assert_eq!(run.status, Status::Live);
     assert!(run.last < 0.1 * run.first, "{} m, then {} m", run.first, run.last);
-    // The controller takes force away and never turns it round, so that it has a stroke's energy back with the next one:
-    // on balance the motor gave less than the tap, which moved the device by its impulse of 20 mN s.
+    // The controller takes force away and never turns it round, so that it has a stroke's energy
+    // back with the next one: on balance the motor gave less than the tap, which moved the device
+    // by its impulse of 20 mN s.
     let tap = 0.5 * 0.02 * 0.02 / DEVICE.mass;
     assert!(run.given < tap && run.least > -tap, "{} J, {} J", run.given, run.least);
 }

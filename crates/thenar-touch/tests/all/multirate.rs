@@ -226,9 +226,9 @@ fn shared_constraints_smooth_and_drag_less_than_the_papers_multirate() {
     }
 }
 
-/// In free air the tremor of a hand is no reason for a force: the proxy of a palm of 0.3 kg goes with
-/// the hand up to 16 Hz, where that of its own mass would ring: within a quarter of what the coupling to one
-/// that stays behind would ask for.
+/// In free air the tremor of a hand is no reason for a force: the proxy of a palm of 0.3 kg goes
+/// with the hand up to 16 Hz, where that of its own mass would ring: within a quarter of what the
+/// coupling to one that stays behind would ask for.
 #[test]
 fn free_proxies_do_not_ring() {
     let height = 0.2;

@@ -60,8 +60,8 @@ fn a_floor_is_as_stiff_as_the_drive() {
     }
 }
 
-/// A hand that nobody leads pulls at nobody; one led 4 mm into the floor pulls with 1.6 N; one that is somewhere else, in empty
-/// air, says so for one tick and soon pulls no more.
+/// A hand that nobody leads pulls at nobody; one led 4 mm into the floor pulls with 1.6 N; one that
+/// is somewhere else, in empty air, says so for one tick and soon pulls no more.
 #[test]
 fn a_hand_is_felt_once_it_is_led() {
     let mut touch = single_rate(RADIUS + 0.002);

@@ -1,12 +1,15 @@
-//! Samples that no motion explains: a tracker's glitch, or a start that was not foreseen. The next sample tells which.
+//! Samples that no motion explains: a tracker's glitch, or a start that was not foreseen. The next
+//! sample tells which.
 
 use thenar_core::Pose;
 
-/// How far a sample may be from what was expected, what the fastest start adds, and the most of that: place \[m, m/s², m\],
-/// turns of the wrist, angles of joints \[rad, rad/s², rad\]. Noise of trackers reaches 1 cm and 5 degrees. A reach that is
-/// 3 m/s fast on its way of 0.3 m starts with 49 m/s² (the least jerk of Flash and Hogan 1985: 1.875 D/T and 5.77 D/T²);
-/// twice that is allowed for, and 500 rad/s² of wrists and fingers. Where samples are so far apart that this would reach
-/// 3.5 cm at a fingertip, 17 cm from the wrist and 10 cm from its knuckle, starts wait as glitches do: 5 cm never pass.
+/// How far a sample may be from what was expected, what the fastest start adds, and the most of
+/// that: place \[m, m/s², m\], turns of the wrist, angles of joints \[rad, rad/s², rad\]. Noise of
+/// trackers reaches 1 cm and 5 degrees. A reach that is 3 m/s fast on its way of 0.3 m starts with
+/// 49 m/s² (the least jerk of Flash and Hogan 1985: 1.875 D/T and 5.77 D/T²); twice that is allowed
+/// for, and 500 rad/s² of wrists and fingers. Where samples are so far apart that this would reach
+/// 3.5 cm at a fingertip, 17 cm from the wrist and 10 cm from its knuckle, starts wait as glitches
+/// do: 5 cm never pass.
 const EXPECTED: [[f64; 3]; 3] = [[0.02, 100.0, 0.015], [0.12, 500.0, 0.08], [0.15, 500.0, 0.2]];
 /// Fastest true motion from the sample in doubt to the next \[m/s\], \[rad/s\].
 const FASTEST: [f64; 3] = [4.0, 25.0, 26.0];
@@ -59,8 +62,8 @@ impl Doubt {
         &self.angles
     }
 
-    /// What becomes of this sample: it is `surprises` from what is expected `gap` \[s\] after the last one taken, and may
-    /// bear out the one before it, `step` \[s\] earlier.
+    /// What becomes of this sample: it is `surprises` from what is expected `gap` \[s\] after the
+    /// last one taken, and may bear out the one before it, `step` \[s\] earlier.
     pub fn look(
         &mut self,
         wrist: &Pose,
@@ -111,8 +114,8 @@ mod tests {
         Pose::new(Vec3::x() * x, Quat::identity())
     }
 
-    /// 5 cm off and back: that sample waits, and is forgotten. 5 cm off and staying there, or 3 m/s from rest: the
-    /// first waits, the second is taken. Noise and a start of 90 m/s² never wait.
+    /// 5 cm off and back: that sample waits, and is forgotten. 5 cm off and staying there, or 3 m/s
+    /// from rest: the first waits, the second is taken. Noise and a start of 90 m/s² never wait.
     #[test]
     fn one_sample_is_a_glitch_and_two_are_a_motion() {
         let none = [[0.0; 2]; 15];
@@ -145,8 +148,8 @@ mod tests {
         assert!(matches!(look(&at(0.0), [0.0; 3], 2.0 * GAP), Verdict::Taken));
     }
 
-    /// Five centimetres of a fingertip are in doubt however long ago the last sample was: by the wrist, by its turn 17 cm
-    /// away, by a knuckle 10 cm away.
+    /// Five centimetres of a fingertip are in doubt however long ago the last sample was: by the
+    /// wrist, by its turn 17 cm away, by a knuckle 10 cm away.
     #[test]
     fn five_centimetres_never_pass() {
         let none = [[0.0; 2]; 15];

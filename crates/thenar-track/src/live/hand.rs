@@ -20,11 +20,12 @@ use thenar_core::{Pose, Quat};
 const AHEAD_MAX: f64 = 0.025;
 /// Natural frequency of the follower \[rad/s\]: on the way to another place, and once there.
 const OMEGA: [f64; 2] = [TAU * 4.0, TAU * 25.0];
-/// Followed tightly, a hand whose samples are noise is followed this part as tightly at least: 16 Hz of 80, where 1 mm of
-/// white noise at 90 Hz leaves a third of what 80 Hz lets through above 40 Hz.
+/// Followed tightly, a hand whose samples are noise is followed this part as tightly at least: 16
+/// Hz of 80, where 1 mm of white noise at 90 Hz leaves a third of what 80 Hz lets through above 40
+/// Hz.
 const NOISY: f64 = 0.2;
-/// Noise that is felt: place \[m\], turn of the wrist and angle of a joint \[rad\], each some 20 µm at a fingertip. Sways that
-/// less noise hides are below what a hand at rest may sway by.
+/// Noise that is felt: place \[m\], turn of the wrist and angle of a joint \[rad\], each some 20 µm
+/// at a fingertip. Sways that less noise hides are below what a hand at rest may sway by.
 const FELT: [f64; 3] = [2e-5, 1e-4, 2e-4];
 /// A script is reached when nothing is further off than this \[m, rad\].
 const ARRIVED: f64 = 1e-4;
@@ -46,7 +47,8 @@ pub struct LiveHand {
     omega: f64,
     /// Stiffness that is felt \[N/m\].
     stiffness: f64,
-    /// Samples that no motion explains wait for another that agrees; not in `memory`, which recordings keep.
+    /// Samples that no motion explains wait for another that agrees; not in `memory`, which
+    /// recordings keep.
     doubt: Option<Doubt>,
     levers: Levers,
     /// All that changes and that the next step depends on, with what `retarget` and `knuckles` have
@@ -95,20 +97,22 @@ impl LiveHand {
         self.omega = TAU * frequency;
     }
 
-    /// Leads what is felt, as stiff as this behind a tracker without noise \[N/m\]: noise is remembered for as long as it
-    /// would be felt on that. A hand that is only shown need not be stiller than near.
+    /// Leads what is felt, as stiff as this behind a tracker without noise \[N/m\]: noise is
+    /// remembered for as long as it would be felt on that. A hand that is only shown need not be
+    /// stiller than near.
     pub fn feel_on(&mut self, stiffness: f64) {
         self.stiffness = stiffness;
     }
 
-    /// Waits with a sample that no motion explains until the next one agrees with it: a glitch of one sample does
-    /// nothing, and a true start is late by one sample. For forces, which a glitch would throw at the wearer.
+    /// Waits with a sample that no motion explains until the next one agrees with it: a glitch of
+    /// one sample does nothing, and a true start is late by one sample. For forces, which a glitch
+    /// would throw at the wearer.
     pub fn doubt_glitches(&mut self) {
         self.doubt = Some(Doubt::new(self.memory.joints.len()));
     }
 
-    /// Lets pads that touch on the tracked hand touch on ours and no more. For forces: the wearer's own fingers press on
-    /// each other already.
+    /// Lets pads that touch on the tracked hand touch on ours and no more. For forces: the wearer's
+    /// own fingers press on each other already.
     pub fn press_no_pads(&mut self) {
         self.retarget.iter_mut().for_each(Retarget::without_press);
     }
@@ -118,8 +122,8 @@ impl LiveHand {
         self.doubt.as_ref().is_some_and(Doubt::waits)
     }
 
-    /// How noisy its samples are: 0 as sure as motion, 1 remembered for 50 ms, and more; the worst of wrist and joints.
-    /// See [`Observation`](crate::Observation).
+    /// How noisy its samples are: 0 as sure as motion, 1 remembered for 50 ms, and more; the worst
+    /// of wrist and joints. See [`Observation`](crate::Observation).
     pub fn noisy(&self) -> f64 {
         let memory = &self.memory;
         let wrist = memory.position.noisy(FELT[0]).max(memory.rotation.noisy(FELT[1]));
@@ -357,8 +361,8 @@ impl LiveHand {
         self.memory.calibrated += 1;
     }
 
-    /// How the pose carried over lies in time, after the last one that was taken; `None` when it must wait for another
-    /// that agrees with it. One that it bears out is taken before it.
+    /// How the pose carried over lies in time, after the last one that was taken; `None` when it
+    /// must wait for another that agrees with it. One that it bears out is taken before it.
     fn without_doubt(&mut self, wrist: &Pose, timing: Timing) -> Option<Timing> {
         let longest = self.longest(timing.gap);
         let Self { doubt: Some(doubt), memory, angles, .. } = self else { return Some(timing) };

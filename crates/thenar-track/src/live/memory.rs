@@ -1,5 +1,5 @@
-//! What a hand that poses move remembers: with it, another that was made from the same scene goes on
-//! with the same bits.
+//! What a hand that poses move remembers: with it, another that was made from the same scene goes
+//! on with the same bits.
 
 use super::clock::{Clock, Timing};
 use super::observer::{Observed, ObservedRotation};
@@ -84,8 +84,8 @@ impl Memory {
         }
     }
 
-    /// Takes a pose that was carried over into the observers, which remember noise for `longest` \[s\] at most; sets out
-    /// anew where it does not continue the ones before.
+    /// Takes a pose that was carried over into the observers, which remember noise for `longest`
+    /// \[s\] at most; sets out anew where it does not continue the ones before.
     pub fn observe(
         &mut self,
         wrist: &Pose,

@@ -4,8 +4,8 @@
 //!
 //! 1. *checked*: what is not finite, no unit quaternion or too far away is refused;
 //! 2. *carried over* to our hand: wrist pose and joint angles within their limits (see
-//!    [`Retarget`](crate::Retarget)). The tracker's wrist frame is calibrated on the first
-//!    good pose, then refined over the first 90, by a fifth of a degree per pose at most. Rotations are
+//!    [`Retarget`](crate::Retarget)). The tracker's wrist frame is calibrated on the first good
+//!    pose, then refined over the first 90, by a fifth of a degree per pose at most. Rotations are
 //!    carried over and the wrist's place is; fingers of another length end elsewhere, so that a
 //!    hand should be built as long as its wearer's: see [`LiveHand::length`];
 //! 3. *observed*: a critically damped g-h filter gives place and velocity, without lag in steady
@@ -55,9 +55,10 @@ pub const OPENING: f64 = 0.8;
 /// Older poses count as lost \[s\].
 pub const STALE: f64 = 0.1;
 
-/// What a hand that follows at 80 Hz adds to its tracker's delay, measured for 60 Hz to 1 kHz and 0 to 50 ms: 9.9 ms at
-/// 1 kHz at once, 6.0 ms at 90 Hz at once, 5.9 and 2.2 ms at 1 kHz and 90 Hz, 20 ms late, nothing at 50 ms. With noise that is
-/// remembered for 50 ms, 36 ms at 60 Hz to 43 ms at 1 kHz, however late.
+/// What a hand that follows at 80 Hz adds to its tracker's delay, measured for 60 Hz to 1 kHz and 0
+/// to 50 ms: 9.9 ms at 1 kHz at once, 6.0 ms at 90 Hz at once, 5.9 and 2.2 ms at 1 kHz and 90 Hz,
+/// 20 ms late, nothing at 50 ms. With noise that is remembered for 50 ms, 36 ms at 60 Hz to 43 ms
+/// at 1 kHz, however late.
 pub const OBSERVATION: Observation = Observation { adds: 0.01, makes_up: 0.2, noisy: 0.039 };
 
 /// A tracked hand at an instant, in the world.

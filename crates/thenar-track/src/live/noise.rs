@@ -1,14 +1,15 @@
 //! Memory for noise: samples are remembered as long as their noise would be felt, and no longer.
 //!
-//! White noise of E at a pad, seen every P seconds, is led on by observer and follower, which are late by D together,
-//! as `0.74 E √(P/D)` below 40 Hz (0.67 to 0.79, by sums of Fourier from 60 to 1000 Hz and 14 to 300 ms of memory). No
-//! filter does much better. A spring to what it leads on takes `K d(ω)`, `d = -Im G(ω)/ω`, off the damping of whoever
-//! holds it, D at the worst ω. Of a causal filter with `G(0) = 1` the integral of d over all ω is π/2 (Kramers and
-//! Kronig), and half of its power is that of `ω d`, so that it is least where d is D up to `π/4D` and falls with 1/ω²
+//! White noise of E at a pad, seen every P seconds, is led on by observer and follower, which are
+//! late by D together, as `0.74 E √(P/D)` below 40 Hz (0.67 to 0.79, by sums of Fourier from 60 to
+//! 1000 Hz and 14 to 300 ms of memory). No filter does much better. A spring to what it leads on
+//! takes `K d(ω)`, `d = -Im G(ω)/ω`, off the damping of whoever holds it, D at the worst ω. Of a
+//! causal filter with `G(0) = 1` the integral of d over all ω is π/2 (Kramers and Kronig), and half
+//! of its power is that of `ω d`, so that it is least where d is D up to `π/4D` and falls with 1/ω²
 //! beyond: `0.64 E √(P/D)`.
 //!
-//! Above 40 Hz they lead on up to `0.33 E (t/M)^2.5` at a memory of M, with t the shortest, up to 50 ms, where the follower is as
-//! loose as it becomes, and still less beyond.
+//! Above 40 Hz they lead on up to `0.33 E (t/M)^2.5` at a memory of M, with t the shortest, up to
+//! 50 ms, where the follower is as loose as it becomes, and still less beyond.
 
 use super::memory::Memory;
 use super::observer::MEMORY;
@@ -16,19 +17,21 @@ use crate::AngleRange;
 use thenar_core::Vec3;
 use thenar_core::model::{Digit, HandModel};
 
-/// Longest memory \[s\]: 1 mm, with as much of knuckles 8 cm away, and 2 degrees of each joint, which are 3.7 mm at a pad, call
-/// for it at 90 Hz on [`FIRM`], 0.18 s late. What is noisier is felt as noisier, and not softer still.
+/// Longest memory \[s\]: 1 mm, with as much of knuckles 8 cm away, and 2 degrees of each joint,
+/// which are 3.7 mm at a pad, call for it at 90 Hz on [`FIRM`], 0.18 s late. What is noisier is
+/// felt as noisier, and not softer still.
 const LONGEST: f64 = 0.33;
-/// Stiffness on which noise up to 50 ms of memory is judged, however soft it is felt \[N/m\]: a hand that is held still may be
-/// felt stiffer in the next second.
+/// Stiffness on which noise up to 50 ms of memory is judged, however soft it is felt \[N/m\]: a
+/// hand that is held still may be felt stiffer in the next second.
 const FIRM: f64 = 160.0;
-/// Wanders of the force that may be felt \[N\]: below 40 Hz a 25th of a pinch of 3 N, above it 5 mN; and a tenth less, by
-/// which some seconds of them are more than they are on the mean.
+/// Wanders of the force that may be felt \[N\]: below 40 Hz a 25th of a pinch of 3 N, above it 5
+/// mN; and a tenth less, by which some seconds of them are more than they are on the mean.
 const SLOW: f64 = 0.04 * 3.0 / 1.1;
 const FAST: f64 = 5e-3 / 1.1;
 /// Part of `E √(P/D)` that is led on below 40 Hz.
 const LED_ON: f64 = 0.74;
-/// Part of E that is led on above 40 Hz at the shortest memory, and by which power it falls with memory.
+/// Part of E that is led on above 40 Hz at the shortest memory, and by which power it falls with
+/// memory.
 const SHAKES: [f64; 2] = [0.33, 2.5];
 /// Of the delay, what the follower has at its loosest \[s\]: twice its time of 10 ms.
 const FOLLOWER: f64 = 0.02;
@@ -63,7 +66,8 @@ impl Levers {
         }
     }
 
-    /// Noise in one direction of the finger that has most \[m\], by what samples have been off of late.
+    /// Noise in one direction of the finger that has most \[m\], by what samples have been off of
+    /// late.
     fn noise(&self, memory: &Memory, gap: f64) -> f64 {
         let [place, turn] =
             [&memory.position.noise_square(gap), &memory.rotation.noise_square(gap)];
@@ -78,16 +82,17 @@ impl Levers {
         (wrist + self.fingers.iter().map(finger).fold(0.0, f64::max)).sqrt()
     }
 
-    /// Longest memory that the noise of its samples, `gap` \[s\] apart, calls for where it is felt on this stiffness
-    /// \[N/m\], in seconds. Delay costs stiffness: beyond 50 ms only for what would be felt.
+    /// Longest memory that the noise of its samples, `gap` \[s\] apart, calls for where it is felt
+    /// on this stiffness \[N/m\], in seconds. Delay costs stiffness: beyond 50 ms only for what
+    /// would be felt.
     pub fn longest(&self, memory: &Memory, gap: f64, stiffness: f64) -> f64 {
         let noise = self.noise(memory, gap);
         longest(noise, gap, FIRM).min(MEMORY[1]).max(longest(noise, gap, stiffness))
     }
 }
 
-/// Memory \[s\] by which this noise \[m\] of samples that are `gap` \[s\] apart is felt as little as wanted on this
-/// stiffness \[N/m\].
+/// Memory \[s\] by which this noise \[m\] of samples that are `gap` \[s\] apart is felt as little
+/// as wanted on this stiffness \[N/m\].
 fn longest(noise: f64, gap: f64, stiffness: f64) -> f64 {
     let force = stiffness * noise;
     let fast = MEMORY[0] * (SHAKES[0] * force / FAST).powf(1.0 / SHAKES[1]);
@@ -103,9 +108,10 @@ fn longest(noise: f64, gap: f64, stiffness: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// 2.3 mm, of a millimetre and as much of knuckles 8 cm away, seen at 90 Hz: 69 ms late. A tenth of a millimetre is
-    /// hardly remembered longer than motion is; round-off no longer, and an inch as long as may be. On an eighth of the
-    /// stiffness eight times the noise is felt as much; where nothing is felt none is remembered longer.
+    /// 2.3 mm, of a millimetre and as much of knuckles 8 cm away, seen at 90 Hz: 69 ms late. A
+    /// tenth of a millimetre is hardly remembered longer than motion is; round-off no longer, and
+    /// an inch as long as may be. On an eighth of the stiffness eight times the noise is felt as
+    /// much; where nothing is felt none is remembered longer.
     #[test]
     fn memory_is_as_long_as_noise_is_felt() {
         let gap = 1.0 / 90.0;

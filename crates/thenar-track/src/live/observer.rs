@@ -1,20 +1,22 @@
-//! Place and velocity from samples: a critically damped g-h filter (Benedict and Bordner 1962) whose memory
-//! follows the noise.
+//! Place and velocity from samples: a critically damped g-h filter (Benedict and Bordner 1962)
+//! whose memory follows the noise.
 //!
 //! Between samples the motion goes on at the velocity found; a sample `r` away from where it was
 //! expected moves the place by `g r` and the velocity by `h r / gap`, with `g = 1 - θ²`,
 //! `h = (1 - θ)²`, `θ = exp(-gap / memory)`. Steady motion is followed without lag.
 //!
 //! A filter that remembers as long as it should leaves residuals without memory (Mehra 1970). Where
-//! successive ones are unlike, as about a hand that is still and noisy, it remembers longer, as long as noise is felt
-//! (`noise.rs`); where they are alike motion runs ahead of it, and it forgets sooner, down to 14 ms, at once when two in a
-//! row are large. At 14 ms and 90 Hz white noise is led on at 0.83 of its size (place), at 50 ms at 0.47.
-//! At an acceleration `a` the place lags by 8e-5 s² a, the velocity by 0.024 s a.
+//! successive ones are unlike, as about a hand that is still and noisy, it remembers longer, as
+//! long as noise is felt (`noise.rs`); where they are alike motion runs ahead of it, and it forgets
+//! sooner, down to 14 ms, at once when two in a row are large. At 14 ms and 90 Hz white noise is
+//! led on at 0.83 of its size (place), at 50 ms at 0.47. At an acceleration `a` the place lags by
+//! 8e-5 s² a, the velocity by 0.024 s a.
 //!
-//! What is remembered long is late, and a spring to it takes that off the damping of whoever holds it. A hand that is
-//! still needs no velocity, and without one a filter of the same noise is late by a quarter less: the velocity's gain
-//! falls with the square of the memory. (Followed at 16 Hz, 1 mm of white noise at 90 Hz leaves 0.37 mm below and 10 µm
-//! above 40 Hz, 44 ms late at the worst sway. With its gain kept and 80 ms of memory it leaves 0.40 mm and 10 µm, 59 ms late.)
+//! What is remembered long is late, and a spring to it takes that off the damping of whoever holds
+//! it. A hand that is still needs no velocity, and without one a filter of the same noise is late
+//! by a quarter less: the velocity's gain falls with the square of the memory. (Followed at 16 Hz,
+//! 1 mm of white noise at 90 Hz leaves 0.37 mm below and 10 µm above 40 Hz, 44 ms late at the worst
+//! sway. With its gain kept and 80 ms of memory it leaves 0.40 mm and 10 µm, 59 ms late.)
 
 use serde::{Deserialize, Serialize};
 use thenar_core::{Quat, Vec3};
@@ -23,8 +25,8 @@ use thenar_core::{Quat, Vec3};
 pub const MEMORY: [f64; 2] = [0.0139, 0.05];
 /// What the newest residual weighs in how alike residuals are.
 const NEWEST: f64 = 0.06;
-/// Likeness that they may have by chance: 2.3 times the deviation of the mean of white numbers, `√(NEWEST/(2 - NEWEST))`; less of
-/// what has several.
+/// Likeness that they may have by chance: 2.3 times the deviation of the mean of white numbers,
+/// `√(NEWEST/(2 - NEWEST))`; less of what has several.
 const CHANCE: f64 = 0.4;
 /// How fast memory shrinks with what is beyond that, per sample.
 const ADAPTS: f64 = 1.0;
@@ -116,8 +118,9 @@ pub trait Linear:
 {
     /// Number of its components.
     const AXES: f64;
-    /// Two white residuals in a row exceed the usual square, on the mean of these numbers, by this factor once in two
-    /// million samples (χ² of 25 and of 31.8). What is usual is known to a quarter.
+    /// Two white residuals in a row exceed the usual square, on the mean of these numbers, by this
+    /// factor once in two million samples (χ² of 25 and of 31.8). What is usual is known to a
+    /// quarter.
     const MOTION: f64;
     /// Absolute value or length.
     fn size(&self) -> f64;
@@ -179,8 +182,8 @@ impl<T: Linear> Observed<T> {
         (sample - self.ahead(gap.unwrap_or(0.0))).size()
     }
 
-    /// Takes in a sample, `gap` \[s\] after the last; the velocity stays below `rate_max`, and noise is remembered for
-    /// `longest` \[s\] at most.
+    /// Takes in a sample, `gap` \[s\] after the last; the velocity stays below `rate_max`, and
+    /// noise is remembered for `longest` \[s\] at most.
     pub fn take(&mut self, sample: T, gap: Option<f64>, rate_max: f64, longest: f64) {
         let expected = self.ahead(gap.unwrap_or(0.0));
         let residual = sample - expected;
@@ -194,14 +197,15 @@ impl<T: Linear> Observed<T> {
         self.scatter.noise_square(gap)
     }
 
-    /// How quiet its samples are: 1 where they are as sure as motion, less where noise is remembered longer.
+    /// How quiet its samples are: 1 where they are as sure as motion, less where noise is
+    /// remembered longer.
     pub fn quiet(&self) -> f64 {
         self.scatter.quiet()
     }
 
-    /// How long its samples are remembered for their noise: 0 as motion is, 1 for 50 ms, and more in proportion to the delay
-    /// beyond; next to 0 where residuals are below `least`, such as round-off: what sways by more than noise is soon
-    /// remembered no longer than motion is.
+    /// How long its samples are remembered for their noise: 0 as motion is, 1 for 50 ms, and more
+    /// in proportion to the delay beyond; next to 0 where residuals are below `least`, such as
+    /// round-off: what sways by more than noise is soon remembered no longer than motion is.
     pub fn noisy(&self, least: f64) -> f64 {
         self.scatter.noisy(least)
     }
@@ -319,7 +323,8 @@ mod tests {
                 n += 1.0;
             }
         }
-        // No worse than at the shortest memory; the rounding errors of a slow ramp are not quite white.
+        // No worse than at the shortest memory; the rounding errors of a slow ramp are not quite
+        // white.
         let sample = 1e-3 / 12f64.sqrt();
         let [want, rate_want] = noise(&gains).map(|part| part * sample);
         let (rms, rate_rms) = ((error / n).sqrt(), (rate_error / n).sqrt());
@@ -335,8 +340,8 @@ mod tests {
         [((2.0 * g * g + 2.0 * h - 3.0 * g * h) / below).sqrt(), (2.0 * h * h / below).sqrt() / GAP]
     }
 
-    /// About a still hand white noise is remembered for as long as may be, and a reach that then begins is
-    /// followed as if there had been none.
+    /// About a still hand white noise is remembered for as long as may be, and a reach that then
+    /// begins is followed as if there had been none.
     #[test]
     fn memory_follows_noise_and_lets_go_when_it_moves() {
         let most = noise(&Gains::after(Some(GAP), MEMORY[1]));
@@ -357,7 +362,8 @@ mod tests {
         // It wavers between its bounds: the mean is nearer to the longer.
         assert!(rms < 0.7e-3 * least[0] && rms > 0.8e-3 * most[0], "{rms} m");
         assert!(rate_rms < 0.5e-3 * least[1], "{rate_rms} m/s");
-        // 20 cm in 0.4 s, with the least jerk: never farther off than the shortest memory by more than noise.
+        // 20 cm in 0.4 s, with the least jerk: never farther off than the shortest memory by more
+        // than noise.
         let mut short = Observed::at(place.place);
         let (mut far, mut far_short) = (0.0_f64, 0.0_f64);
         for k in 1..60 {

@@ -178,9 +178,9 @@ fn a_waving_hand_is_followed_closely_despite_rounding() {
     println!("rms errors: {place} m, {turn} rad, {speed} m/s, {joint} rad");
     println!("at rms accelerations of {acceleration} m/s², {turning} and {bending} rad/s²");
     // The observer lags by 8e-5 s² a and its velocity by 0.024 s a. Carried forward over 8 ms on
-    // average that makes 1.9e-4 s² a, and a follower fed with it is 2/ω times it, 3.1e-4 s² a,
-    // and a/ω² = 4e-5 s² a behind: 6.2e-4 s² a together, beside the rounding: 0.29 mm along each axis, of which 0.83 is
-    // led on at most.
+    // average that makes 1.9e-4 s² a, and a follower fed with it is 2/ω times it, 3.1e-4 s² a, and
+    // a/ω² = 4e-5 s² a behind: 6.2e-4 s² a together, beside the rounding: 0.29 mm along each axis,
+    // of which 0.83 is led on at most.
     let lag = 6.5e-4;
     assert!(place < lag * acceleration + 4.2e-4, "{place}");
     assert!(turn < lag * turning + 2e-3, "{turn}");
@@ -269,7 +269,8 @@ fn the_script_is_met_again_exactly() {
     }
 }
 
-/// A fist's joints may be pulled beyond their ends; a hand that comes back to such a script meets it, too.
+/// A fist's joints may be pulled beyond their ends; a hand that comes back to such a script meets
+/// it, too.
 #[test]
 fn a_script_that_squeezes_joints_is_met_again() {
     let mut rig = Rig::new();

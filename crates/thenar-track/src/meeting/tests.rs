@@ -13,7 +13,8 @@ fn chains(hand: &HandModel) -> [Chain; 2] {
     OPPOSED.map(|digit| Chain::new(hand, digit, PadPlace::Tip).unwrap())
 }
 
-/// Angles of all joints at which thumb and index finger of a hand face each other, their skins `gap` \[m\] apart.
+/// Angles of all joints at which thumb and index finger of a hand face each other, their skins
+/// `gap` \[m\] apart.
 fn pinched(hand: &HandModel, gap: f64) -> Vec<[f64; 2]> {
     let chains = chains(hand);
     let mut at: [Angles; 2] = [chains[0].ease(), chains[1].ease()];
@@ -59,8 +60,8 @@ fn carried(ours: &HandModel, theirs: &HandModel, angles: &[[f64; 2]]) -> Vec<[f6
     angles_for(ours, &watched(theirs, angles), false, true)
 }
 
-/// From the thumb's skin to the index finger's at their pads \[m\], and the cosine of the larger angle at which they face
-/// each other.
+/// From the thumb's skin to the index finger's at their pads \[m\], and the cosine of the larger
+/// angle at which they face each other.
 fn between(hand: &HandModel, angles: &[[f64; 2]]) -> (f64, f64) {
     let chains = chains(hand);
     let [thumb, index] = [0, 1].map(|k| chains[k].reach(&chains[k].read(angles)));
@@ -90,8 +91,9 @@ fn proportioned([thumb, fingers, whole]: [f64; 3]) -> HandModel {
     hand
 }
 
-/// Pads that touch on the tracked hand press into each other on ours by `PRESS`, whatever the two hands' proportions, the sense
-/// of our joints and the side that is tracked: within 2 mm, by which pads are nearer that do not face each other quite.
+/// Pads that touch on the tracked hand press into each other on ours by `PRESS`, whatever the two
+/// hands' proportions, the sense of our joints and the side that is tracked: within 2 mm, by which
+/// pads are nearer that do not face each other quite.
 #[test]
 fn pads_that_touch_meet_whatever_the_proportions() {
     for flip in [false, true] {
@@ -121,7 +123,8 @@ fn rotations_alone_leave_pads_apart() {
     assert!(HANDS.into_iter().map(gap).fold(0.0, f64::max) > 0.01);
 }
 
-/// Wearers who feel the forces press with fingers of their own: pads that touch then touch, and do not press.
+/// Wearers who feel the forces press with fingers of their own: pads that touch then touch, and do
+/// not press.
 #[test]
 fn pads_touch_without_press_where_forces_are_felt() {
     let ours = fixture::hand(false);
@@ -139,9 +142,9 @@ fn pads_touch_without_press_where_forces_are_felt() {
     }
 }
 
-/// As tracked pads close by 50 µm at a time, no angle jumps: none changes by more than twelve times as much as the tracked
-/// ones do at most. The gap's own slope is 1 + 1.5 · 9 mm / 6.4 mm = 3.1 where pads begin to press, and pads turn to face
-/// each other on the way.
+/// As tracked pads close by 50 µm at a time, no angle jumps: none changes by more than twelve times
+/// as much as the tracked ones do at most. The gap's own slope is 1 + 1.5 · 9 mm / 6.4 mm = 3.1
+/// where pads begin to press, and pads turn to face each other on the way.
 #[test]
 fn pads_close_without_a_jump() {
     let ours = fixture::hand(false);
@@ -203,8 +206,8 @@ fn pads_that_do_not_face_each_other_are_left_alone() {
     assert_eq!(weight(x, -x, 0.016 * (1.0 + LED[0])), 0.0);
 }
 
-/// A hand without tracked joints has no pads to meet, nor has one whose last bones are no digit's last; joints that lie in one
-/// place, or are no places, move nothing.
+/// A hand without tracked joints has no pads to meet, nor has one whose last bones are no digit's
+/// last; joints that lie in one place, or are no places, move nothing.
 #[test]
 fn pads_that_are_not_tracked_do_not_meet() {
     let mut hand = fixture::hand(false);

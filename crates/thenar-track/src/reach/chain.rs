@@ -12,8 +12,8 @@ const BONES_MAX: usize = 6;
 /// Angles of a chain, in the order of its freedoms \[rad\].
 pub type Angles = [f64; FREEDOMS_MAX];
 
-/// Where along the last bone its pad is, from its joint (0) to its end (1): a little nearer to the end, where people put
-/// fingertips down.
+/// Where along the last bone its pad is, from its joint (0) to its end (1): a little nearer to the
+/// end, where people put fingertips down.
 pub const ALONG: f64 = 0.55;
 
 /// Where on a digit a pad is.
@@ -48,8 +48,8 @@ impl Freedom {
     }
 }
 
-/// A patch of skin that grips: round about a point on the axis of its bone, so that what it touches is as far from there
-/// however the finger is turned.
+/// A patch of skin that grips: round about a point on the axis of its bone, so that what it touches
+/// is as far from there however the finger is turned.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Pad {
     /// Bone of the hand that it is on.
@@ -90,8 +90,8 @@ pub struct Reached {
 }
 
 impl Chain {
-    /// The chain of a digit with its pad; `None` where the hand has no such digit, no skin there, or joints that
-    /// make no chain of hinges.
+    /// The chain of a digit with its pad; `None` where the hand has no such digit, no skin there,
+    /// or joints that make no chain of hinges.
     pub fn new(hand: &HandModel, digit: Digit, place: PadPlace) -> Option<Self> {
         let last = hand.bones.iter().rposition(|bone| bone.digit == digit)?;
         let tip = match place {
@@ -173,8 +173,8 @@ impl Chain {
         reached
     }
 
-    /// Hands out pose and velocities (linear, angular) of each of its bones but the palm, whose own are given, at these
-    /// angles and rates; the first argument is the bone's number in the hand.
+    /// Hands out pose and velocities (linear, angular) of each of its bones but the palm, whose own
+    /// are given, at these angles and rates; the first argument is the bone's number in the hand.
     pub fn bones_at(
         &self,
         palm: (&Pose, [Vec3; 2]),

@@ -1,4 +1,5 @@
-//! Digits that reach: a chain of joints from the palm to a pad, and the angles that bring the pad to a place.
+//! Digits that reach: a chain of joints from the palm to a pad, and the angles that bring the pad
+//! to a place.
 
 mod chain;
 mod solve;

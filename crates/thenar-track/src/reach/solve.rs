@@ -6,10 +6,12 @@
 //! |e - J dq|² + w² |e_n - J_n dq|² + c² |q_ease - q - dq|² + λ² |dq|²
 //! ```
 //!
-//! with `e` the way that the pad lacks, `J` how angles move it, `e_n` the turn that lays its normal where it is wanted
-//! and `J_n` how angles turn it. A normal that is out of reach stays far off, and then a whole step may go beyond: half of
-//! it is taken, and half of that, until the same sum is less. Freedoms at the end of their range that would go on are left out of it. What is weighed
-//! beside the place bends it by a fraction of a millimetre, which a loop around this takes away where it matters.
+//! with `e` the way that the pad lacks, `J` how angles move it, `e_n` the turn that lays its normal
+//! where it is wanted and `J_n` how angles turn it. A normal that is out of reach stays far off,
+//! and then a whole step may go beyond: half of it is taken, and half of that, until the same sum
+//! is less. Freedoms at the end of their range that would go on are left out of it. What is weighed
+//! beside the place bends it by a fraction of a millimetre, which a loop around this takes away
+//! where it matters.
 
 use super::chain::{Angles, Chain, FREEDOMS_MAX, Reached};
 use super::within::step_within;
@@ -18,7 +20,8 @@ use std::f64::consts::PI;
 use thenar_core::Vec3;
 use thenar_core::math::tangents;
 
-/// Weight of the normal's turn \[m/rad\]: half a radian away bends the place by 0.1 mm at an arm of 60 mm.
+/// Weight of the normal's turn \[m/rad\]: half a radian away bends the place by 0.1 mm at an arm of
+/// 60 mm.
 const TURN: f64 = 0.004;
 /// Weight of ease \[m/rad\]: half a radian away bends the place by 0.02 mm at that arm.
 const EASE: f64 = 0.0015;
@@ -26,7 +29,8 @@ const EASE: f64 = 0.0015;
 const DAMPING: f64 = 0.005;
 /// Largest change of an angle in one round \[rad\].
 const ROUND_MAX: f64 = 0.25;
-/// A step is tried so often, at last a five-hundredth of it: what less of it would bring is not felt.
+/// A step is tried so often, at last a five-hundredth of it: what less of it would bring is not
+/// felt.
 const TRIALS: usize = 10;
 
 /// Where a pad is wanted, in the palm's frame.
@@ -38,8 +42,8 @@ pub struct Goal {
     pub normal: Vec3,
 }
 
-/// Brings the pad of a chain to a goal in a number of rounds from `angles`, which become those found, near `ease` as far as
-/// the goal leaves that open; returns how far off the place is \[m\].
+/// Brings the pad of a chain to a goal in a number of rounds from `angles`, which become those
+/// found, near `ease` as far as the goal leaves that open; returns how far off the place is \[m\].
 pub fn solve(chain: &Chain, ease: &Angles, angles: &mut Angles, goal: &Goal, rounds: usize) -> f64 {
     for _ in 0..rounds {
         if round(chain, ease, angles, goal) < 1e-9 {
@@ -121,7 +125,8 @@ mod tests {
     use thenar_core::model::Digit;
     use thenar_core::random::Random;
 
-    /// Places that digits reach at angles drawn from their ranges are reached from ease, but for what ease and turn bend.
+    /// Places that digits reach at angles drawn from their ranges are reached from ease, but for
+    /// what ease and turn bend.
     #[test]
     fn places_within_reach_are_reached() {
         let hand = fixture::hand(false);
@@ -144,8 +149,8 @@ mod tests {
         }
     }
 
-    /// A goal that stands still is held still, also where the pad cannot be turned to it: one round after the other at
-    /// most a hair's breadth of 0.1 mm at an arm of 100 mm.
+    /// A goal that stands still is held still, also where the pad cannot be turned to it: one round
+    /// after the other at most a hair's breadth of 0.1 mm at an arm of 100 mm.
     #[test]
     fn what_stands_still_is_held_still() {
         let hand = fixture::hand(false);
@@ -209,7 +214,8 @@ mod tests {
         }
     }
 
-    /// What is out of reach is approached as near as a digit goes: along the line to it when it is straight.
+    /// What is out of reach is approached as near as a digit goes: along the line to it when it is
+    /// straight.
     #[test]
     fn what_is_out_of_reach_is_approached() {
         let hand = fixture::hand(false);

@@ -10,7 +10,8 @@ use thenar_core::{Pose, Vec3};
 const TURNS: usize = 60;
 /// Rounds of inverse kinematics in each.
 const ROUNDS: usize = 6;
-/// A pad that ends nearer than this is there \[m\]: a tenth of what skin gives way under a light touch.
+/// A pad that ends nearer than this is there \[m\]: a tenth of what skin gives way under a light
+/// touch.
 const THERE: f64 = 1e-4;
 
 /// Digits of a hand that bring the middle of their pads' skin to places.
@@ -31,9 +32,10 @@ impl Fingertips {
         Ok(Self { articulation, chains })
     }
 
-    /// Bends digits so that the middle of each one's pad is at its place, world \[m\], with the wrist's frame at `pose_WT`; those
-    /// without a place, and angles that a place leaves open, stay near to those given, of all joints \[rad\]. Returns
-    /// how far each ends from its place \[m\]: infinity for a digit that cannot be led, zero for one without a place.
+    /// Bends digits so that the middle of each one's pad is at its place, world \[m\], with the
+    /// wrist's frame at `pose_WT`; those without a place, and angles that a place leaves open, stay
+    /// near to those given, of all joints \[rad\]. Returns how far each ends from its place \[m\]:
+    /// infinity for a digit that cannot be led, zero for one without a place.
     pub fn bend(
         &self,
         pose_WT: &Pose,
@@ -46,7 +48,8 @@ impl Fingertips {
             let Some(chain) = &self.chains[k] else { return f64::INFINITY };
             let place = palm_WB.inverse_point(place_W);
             let given = chain.within(chain.read(angles));
-            // From the angles given, and where those lead nowhere, from ease, bent far and bent little.
+            // From the angles given, and where those lead nowhere, from ease, bent far and bent
+            // little.
             let starts =
                 [given, chain.ease(), part_of_range(chain, 0.75), part_of_range(chain, 0.25)];
             let mut best = (f64::INFINITY, given);
@@ -64,8 +67,8 @@ impl Fingertips {
         })
     }
 
-    /// The twenty angles of [`hand_angles`] \[rad\] of a hand whose pads are at these places, as [`Fingertips::bend`] finds them from
-    /// its rest, and how far each ends from its place \[m\].
+    /// The twenty angles of [`hand_angles`] \[rad\] of a hand whose pads are at these places, as
+    /// [`Fingertips::bend`] finds them from its rest, and how far each ends from its place \[m\].
     pub fn angles(
         &self,
         hand: &HandModel,
@@ -82,7 +85,8 @@ impl Fingertips {
     }
 }
 
-/// Brings the middle of a pad's skin to a place in the palm's frame; how far it ends from there \[m\], and the angles.
+/// Brings the middle of a pad's skin to a place in the palm's frame; how far it ends from there
+/// \[m\], and the angles.
 fn bring(chain: &Chain, ease: &Angles, start: Angles, place: &Vec3) -> (f64, Angles) {
     let mut angles = start;
     let mut wanted = *place;
@@ -118,8 +122,8 @@ mod tests {
     use crate::fixture;
     use thenar_core::random::Random;
 
-    /// Where pads are at angles drawn from their ranges they are brought again, wherever the wrist is: to a tenth of a millimetre nine
-    /// times of ten, and all to a millimetre.
+    /// Where pads are at angles drawn from their ranges they are brought again, wherever the wrist
+    /// is: to a tenth of a millimetre nine times of ten, and all to a millimetre.
     #[test]
     fn pads_come_to_places_that_they_can_reach() {
         let mut random = Random::new(7);
@@ -159,7 +163,8 @@ mod tests {
         }
     }
 
-    /// A place beyond a finger's length is approached, and told; digits without a place stay at rest.
+    /// A place beyond a finger's length is approached, and told; digits without a place stay at
+    /// rest.
     #[test]
     fn what_is_out_of_reach_is_told_and_others_stay() {
         let hand = fixture::hand(false);

@@ -2,8 +2,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// The step `x` of `matrix x = right`. Freedoms that push against the ends of their ranges, as `ends` says of a freedom's
-/// number and its step, are held, until none does. `None` where the matrix has no factor.
+/// The step `x` of `matrix x = right`. Freedoms that push against the ends of their ranges, as
+/// `ends` says of a freedom's number and its step, are held, until none does. `None` where the
+/// matrix has no factor.
 pub(crate) fn step_within<const N: usize>(
     mut matrix: SMatrix<f64, N, N>,
     mut right: SVector<f64, N>,
@@ -27,7 +28,8 @@ pub(crate) fn step_within<const N: usize>(
 mod tests {
     use super::*;
 
-    /// Two freedoms that pull on each other: where the first may not grow, the second goes as if it were alone.
+    /// Two freedoms that pull on each other: where the first may not grow, the second goes as if it
+    /// were alone.
     #[test]
     fn a_freedom_at_its_end_is_left_out() {
         let matrix = SMatrix::<f64, 2, 2>::new(2.0, 1.0, 1.0, 2.0);

@@ -13,7 +13,8 @@ use thenar_core::{Pose, Quat, Vec3};
 pub struct RecordedDesc {
     /// The recording.
     pub file: PathBuf,
-    /// Side of the recorded hand; the side of the simulated one if absent. The other side is mirrored.
+    /// Side of the recorded hand; the side of the simulated one if absent. The other side is
+    /// mirrored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hand: Option<Side>,
     /// Part of the recording to skip \[s\].

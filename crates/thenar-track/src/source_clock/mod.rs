@@ -2,8 +2,9 @@
 //!
 //! A sample arrives after it was measured, never before: the smallest difference between our clock
 //! and the device's, over the recent past, is the offset of the two and the shortest way between
-//! them. Times so carried over have little of the network's jitter. A device whose clock runs fast or slow, by 2e-3 at
-//! most, is followed at its rate, so that its samples become neither older nor younger.
+//! them. Times so carried over have little of the network's jitter. A device whose clock runs fast
+//! or slow, by 2e-3 at most, is followed at its rate, so that its samples become neither older nor
+//! younger.
 
 mod offsets;
 

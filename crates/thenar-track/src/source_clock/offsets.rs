@@ -1,19 +1,22 @@
 //! How one clock runs beside another, from the least differences of late.
 //!
-//! Every way through a network adds to the difference of two clocks, none takes off it: the differences lie above a
-//! line, whose slope is how much faster our clock runs. It is the edge of their lower hull that spans their mean time
-//! (Moon, Skelly and Towsley 1999): the highest line that lies below all of them.
+//! Every way through a network adds to the difference of two clocks, none takes off it: the
+//! differences lie above a line, whose slope is how much faster our clock runs. It is the edge of
+//! their lower hull that spans their mean time (Moon, Skelly and Towsley 1999): the highest line
+//! that lies below all of them.
 
 /// Length of the times of each of which the least difference is kept \[ns\].
 const EACH: u64 = 500_000_000;
 /// Number of these: 20 s, over which a way that is uncertain by 1 ms tells the rate within 1e-4.
 const KEPT: usize = 40;
-/// The rate is found from differences that span so much \[ns\]; before, the clocks are taken to run alike.
+/// The rate is found from differences that span so much \[ns\]; before, the clocks are taken to run
+/// alike.
 const SPAN: u64 = 2_000_000_000;
-/// Largest difference of two clocks' rates. Quartz keeps within 2e-4; clocks that are being corrected run off by 5e-4
-/// (the limit of `adjtime` and NTP), and 1e-3 was asked for.
+/// Largest difference of two clocks' rates. Quartz keeps within 2e-4; clocks that are being
+/// corrected run off by 5e-4 (the limit of `adjtime` and NTP), and 1e-3 was asked for.
 const RATE_MAX: f64 = 2e-3;
-/// A difference this far below the line is no clock that runs off, but one that was put ahead, or a shorter way \[ns\].
+/// A difference this far below the line is no clock that runs off, but one that was put ahead, or a
+/// shorter way \[ns\].
 const STEP: i64 = 5_000_000;
 /// How sure a rate is: after a silence the line is raised by so much of it.
 const UNSURE: f64 = 2e-4;
@@ -60,7 +63,8 @@ impl Offsets {
         self.line.difference.saturating_add((self.rate * since(self.line.at_ns, at_ns)) as i64)
     }
 
-    /// The offset at a time \[ns\], before a difference seen then is known. It moves no faster than clocks do.
+    /// The offset at a time \[ns\], before a difference seen then is known. It moves no faster than
+    /// clocks do.
     pub fn at(&self, now_ns: u64) -> i64 {
         let most = (RATE_MAX * since(self.told.at_ns, now_ns)) as i64;
         let told = self.told.difference;
@@ -84,7 +88,8 @@ impl Offsets {
             self.keep(now_ns);
             (self.began_ns, self.present) = (now_ns, seen);
         } else {
-            // By what is above the line: within half a second a clock may run on by more than a way differs.
+            // By what is above the line: within half a second a clock may run on by more than a way
+            // differs.
             let above = |seen: &Seen| seen.difference.saturating_sub(self.line_at(seen.at_ns));
             if above(&seen) < above(&self.present) {
                 self.present = seen;

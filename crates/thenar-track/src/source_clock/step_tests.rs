@@ -1,12 +1,13 @@
-//! Goal: a clock that is put ahead or back makes no sample older than it is, and none younger than now. Method: a device at 90 Hz, 4 ms
-//! away, whose clock steps once.
+//! Goal: a clock that is put ahead or back makes no sample older than it is, and none younger than
+//! now. Method: a device at 90 Hz, 4 ms away, whose clock steps once.
 
 use super::*;
 
 const MS: u64 = 1_000_000;
 const WAY: u64 = 4 * MS;
 
-/// Ages beyond the way there that samples are given after a step of `step_ms` \[ns\], and at which samples jumps were reported.
+/// Ages beyond the way there that samples are given after a step of `step_ms` \[ns\], and at which
+/// samples jumps were reported.
 fn after(step_ms: i64) -> (Vec<u64>, Vec<u64>) {
     let mut clock = SourceClock::default();
     let (mut ages, mut jumps) = (Vec::new(), Vec::new());
@@ -27,8 +28,8 @@ fn after(step_ms: i64) -> (Vec<u64>, Vec<u64>) {
     (ages, jumps)
 }
 
-/// Ahead: nothing arrives before it was measured, so that the first sample tells, and all are as fresh as they are. Beyond a quarter of
-/// a second it is a jump, and told.
+/// Ahead: nothing arrives before it was measured, so that the first sample tells, and all are as
+/// fresh as they are. Beyond a quarter of a second it is a jump, and told.
 #[test]
 fn a_step_ahead_is_followed_at_once() {
     for step_ms in [1, 50, 101, 150, 249, 251, 900, 10_000] {
@@ -39,8 +40,8 @@ fn a_step_ahead_is_followed_at_once() {
     }
 }
 
-/// Back by so much that no datagram is: a jump at once. By 0.1 to 0.2 s samples may as well be late, and are taken for that for a
-/// second, never for fresher.
+/// Back by so much that no datagram is: a jump at once. By 0.1 to 0.2 s samples may as well be
+/// late, and are taken for that for a second, never for fresher.
 #[test]
 fn a_step_back_is_followed_within_a_second() {
     for step_ms in [-213, -500, -10_000] {

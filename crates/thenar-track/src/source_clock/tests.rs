@@ -68,8 +68,8 @@ fn a_small_step_back_for_good_is_followed_after_a_second() {
     }
 }
 
-/// However long the same is repeated, it gets no fresher, and that is reported; two hands of one frame
-/// have the same time and are no trouble.
+/// However long the same is repeated, it gets no fresher, and that is reported; two hands of one
+/// frame have the same time and are no trouble.
 #[test]
 fn a_clock_that_stands_still_makes_nothing_fresh() {
     let mut clock = SourceClock::default();
@@ -113,9 +113,9 @@ fn no_number_breaks_it() {
     }
 }
 
-/// Samples of a device at 90 Hz over ten minutes: when each was measured and arrived, by our clock, in order of arrival.
-/// The shortest way takes 3 ms, others up to tens of milliseconds more (exponential, 4 ms on the mean), one in twenty is
-/// lost, and at 200 s all are for two seconds.
+/// Samples of a device at 90 Hz over ten minutes: when each was measured and arrived, by our clock,
+/// in order of arrival. The shortest way takes 3 ms, others up to tens of milliseconds more
+/// (exponential, 4 ms on the mean), one in twenty is lost, and at 200 s all are for two seconds.
 fn sent(seed: u64) -> Vec<(u64, u64)> {
     let mut random = thenar_core::random::Random::new(seed);
     let mut even = || 0.5 * (random.symmetric() + 1.0);
@@ -130,9 +130,9 @@ fn sent(seed: u64) -> Vec<(u64, u64)> {
     samples
 }
 
-/// A clock that runs off by 1e-3 shows 0.6 s more or less after ten minutes. Times are carried over to within 3 ms of
-/// the shortest way after 3 s, in which the rate is found, and within 1 ms after 25 s; and nothing is taken for a jump
-/// but the hour by which the clock is set, at 400 s.
+/// A clock that runs off by 1e-3 shows 0.6 s more or less after ten minutes. Times are carried over
+/// to within 3 ms of the shortest way after 3 s, in which the rate is found, and within 1 ms after
+/// 25 s; and nothing is taken for a jump but the hour by which the clock is set, at 400 s.
 #[test]
 fn clocks_that_run_off_are_followed() {
     for rate in [0.0, 2e-4, -2e-4, 1e-3, -1e-3] {
@@ -161,8 +161,9 @@ fn clocks_that_run_off_are_followed() {
     }
 }
 
-/// A way that becomes longer by 20 ms for good: samples are older by as much, and the longer it lasts the less it is
-/// taken for their age, as nothing tells it from a clock that was set back. Never younger than the shortest way.
+/// A way that becomes longer by 20 ms for good: samples are older by as much, and the longer it
+/// lasts the less it is taken for their age, as nothing tells it from a clock that was set back.
+/// Never younger than the shortest way.
 #[test]
 fn a_longer_way_makes_samples_older() {
     let mut clock = SourceClock::default();

@@ -1,4 +1,5 @@
-//! The flesh matrix of a hand at rest, `M + h D + h² K` and the springs to the bones, as a step has it in `B + G`.
+//! The flesh matrix of a hand at rest, `M + h D + h² K` and the springs to the bones, as a step has
+//! it in `B + G`.
 
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;

@@ -1,5 +1,6 @@
-//! Factors the flesh matrices of hands with the core's Cholesky factor and with faer's: times, numbers of the factor,
-//! allocations, error, and the same bits with two threads. Prints a section of `results.md`.
+//! Factors the flesh matrices of hands with the core's Cholesky factor and with faer's: times,
+//! numbers of the factor, allocations, error, and the same bits with two threads. Prints a section
+//! of `results.md`.
 
 mod faer_engine;
 mod flesh;
@@ -32,7 +33,8 @@ pub trait Engine {
     fn solve(&mut self, x: &mut [Vec3]);
     /// Sixteen columns: all full, or the three of one node.
     fn solve_columns(&mut self, touched: Option<usize>);
-    /// True if two threads factor to the same bits, twenty times; `None` where there is no second thread.
+    /// True if two threads factor to the same bits, twenty times; `None` where there is no second
+    /// thread.
     fn two_threads_agree(&mut self) -> Option<bool> {
         None
     }

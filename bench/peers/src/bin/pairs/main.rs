@@ -1,5 +1,6 @@
-//! Puts pairs of rigid shapes to Thenar's narrow phase and to parry3d's contact manifolds: time, points, how far off
-//! the told distance is, and how steady the points are. Prints a section of `results.md`.
+//! Puts pairs of rigid shapes to Thenar's narrow phase and to parry3d's contact manifolds: time,
+//! points, how far off the told distance is, and how steady the points are. Prints a section of
+//! `results.md`.
 
 mod ours;
 mod parry;
@@ -32,8 +33,8 @@ pub struct Touch {
 /// What finds the contacts of a list of placements, and keeps them.
 pub trait Engine {
     fn name(&self) -> &'static str;
-    /// All placements as they are (0) or moved by 10 µm (1); `kept` from what the last search left, if it leaves
-    /// anything.
+    /// All placements as they are (0) or moved by 10 µm (1); `kept` from what the last search left,
+    /// if it leaves anything.
     fn search(&mut self, moved: usize, kept: bool);
     /// What the last search found at placement `i`.
     fn touches(&self, i: usize) -> Vec<Touch>;
@@ -46,7 +47,8 @@ struct Told {
     kept: f64,
     points: usize,
     points_max: usize,
-    /// Of placements apart, and of deep ones: the largest error \[m\], how many are wrong, and not found.
+    /// Of placements apart, and of deep ones: the largest error \[m\], how many are wrong, and not
+    /// found.
     off_max: [f64; 2],
     wrong: [usize; 2],
     missed: [usize; 2],

@@ -1,4 +1,5 @@
-//! Thenar's detector with two bodies: its narrow phase between rigid shapes, with the search for near pairs before it.
+//! Thenar's detector with two bodies: its narrow phase between rigid shapes, with the search for
+//! near pairs before it.
 
 use crate::placements::{Kind, Placement};
 use crate::{Engine, MARGIN, Touch};

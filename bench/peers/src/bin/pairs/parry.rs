@@ -1,5 +1,6 @@
-//! Contact manifolds of parry3d, in single precision, as Rapier has it, and in double. Some of its tolerances are lengths,
-//! made for bodies of a metre: single precision is tried in centimetres, too.
+//! Contact manifolds of parry3d, in single precision, as Rapier has it, and in double. Some of its
+//! tolerances are lengths, made for bodies of a metre: single precision is tried in centimetres,
+//! too.
 
 macro_rules! engine {
     ($module:ident, $name:literal, $parry:ident, $real:ty, $unit:literal) => {

@@ -1,6 +1,7 @@
-//! How far two convex shapes are apart, or how deep they overlap, from their extents alone: along any direction the
-//! gap between their extents is a lower bound, and the largest of all directions is the distance. Directions are
-//! searched densely and then refined by ever smaller random steps, which shares no method with any engine.
+//! How far two convex shapes are apart, or how deep they overlap, from their extents alone: along
+//! any direction the gap between their extents is a lower bound, and the largest of all directions
+//! is the distance. Directions are searched densely and then refined by ever smaller random steps,
+//! which shares no method with any engine.
 
 use crate::placements::{Kind, Random};
 use thenar_core::shape::Shape;

@@ -7,7 +7,8 @@ const CAP_IPC_LOCK: u32 = 14;
 /// See [`CAP_IPC_LOCK`].
 const CAP_SYS_NICE: u32 = 23;
 
-/// A limit of the system on this process: now, and as far as the process may raise it; `None` for no limit.
+/// A limit of the system on this process: now, and as far as the process may raise it; `None` for
+/// no limit.
 pub type Limit = [Option<u64>; 2];
 
 /// A serial port of this machine.

@@ -5,7 +5,8 @@ use thenar_link::realtime::Urgency;
 
 /// The longest that waking a processor may take \[us\]: a tenth of a tick.
 const WAKES_MAX: u32 = 100;
-/// Part of the time that real-time threads must have: the loop and all devices use less than a tenth.
+/// Part of the time that real-time threads must have: the loop and all devices use less than a
+/// tenth.
 const RUNTIME_MIN: f64 = 0.5;
 /// The longest that a port's driver may collect bytes \[ms\]: a tick.
 const COLLECTS_MAX: u32 = 1;
@@ -31,7 +32,8 @@ impl Finding {
     }
 }
 
-/// Judges a machine. `tried` is what the system answered when priority was raised and memory was locked.
+/// Judges a machine. `tried` is what the system answered when priority was raised and memory was
+/// locked.
 pub fn judge(facts: &Facts, tried: &[Result<(), String>; 2]) -> Vec<Finding> {
     let mut all = vec![priority(facts, &tried[0]), memory(facts, &tried[1])];
     all.extend(preemption(facts));
@@ -89,7 +91,8 @@ fn memory(facts: &Facts, tried: &Result<(), String>) -> Finding {
         (Some([None, _]), false) => "allowed".to_owned(),
         (None, false) => "the system does not say how much is allowed".to_owned(),
     };
-    // All that a program has mapped counts, used or not: a trial of a small program that went well says nothing of a hand's.
+    // All that a program has mapped counts, used or not: a trial of a small program that went well
+    // says nothing of a hand's.
     let enough = facts.privileged[1] || facts.memory.is_none_or(|[now, _]| now.is_none());
     let refused =
         tried.as_ref().err().map_or(String::new(), |cause| format!("; refused ({cause})"));

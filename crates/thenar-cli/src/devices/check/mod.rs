@@ -16,8 +16,8 @@ use thenar_link::realtime::{Urgency, lock_memory, raise_priority, touch_stack};
 /// Check whether this machine is fit for touch.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Instead, stop and kill a program that holds a simulated glove, each this often, and print how long its
-    /// wearer is held on.
+    /// Instead, stop and kill a program that holds a simulated glove, each this often, and print
+    /// how long its wearer is held on.
     #[cfg(unix)]
     #[arg(long, value_name = "TIMES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     release: Option<u32>,

@@ -1,4 +1,5 @@
-//! How long a program that is stopped or killed holds its wearer on: measured on this machine, with a simulated glove.
+//! How long a program that is stopped or killed holds its wearer on: measured on this machine, with
+//! a simulated glove.
 
 use crate::error::CliError;
 use nix::sys::signal::{Signal, kill};

@@ -1,12 +1,13 @@
-//! Goal: force rises in small steps to what is allowed and no further, and a silent device ends it. Method: the guard and a
-//! display in memory, in simulated time.
+//! Goal: force rises in small steps to what is allowed and no further, and a silent device ends it.
+//! Method: the guard and a display in memory, in simulated time.
 
 use super::raise::STEPS;
 use super::*;
 use crate::devices::feel::fake::{Display, MS};
 use std::sync::{Arc, Mutex};
 
-/// Never down, never by more than a step's slope allows, ends at the most, and each step is over before it counts.
+/// Never down, never by more than a step's slope allows, ends at the most, and each step is over
+/// before it counts.
 #[test]
 fn force_rises_in_small_steps() {
     let raise = Raise::new(1, 6.0, 1.5, 2.0);
@@ -23,7 +24,8 @@ fn force_rises_in_small_steps() {
     assert_eq!(raise.at(2.2 + 1.5 * f64::from(STEPS)), None);
 }
 
-/// What a display shows while force rises on the middle finger, tick by tick; from `silent_ms` on its device says nothing.
+/// What a display shows while force rises on the middle finger, tick by tick; from `silent_ms` on
+/// its device says nothing.
 fn risen(
     rendering: Rendering,
     own: Limits,
@@ -64,7 +66,8 @@ fn the_session_limits_it() {
     }
 }
 
-/// A device that falls silent in the middle: its guard fades, and the last that is shown is nothing.
+/// A device that falls silent in the middle: its guard fades, and the last that is shown is
+/// nothing.
 #[test]
 fn a_silent_device_ends_it() {
     let own = Limits { ramp: 0.1, ..Limits::cybergrasp() };

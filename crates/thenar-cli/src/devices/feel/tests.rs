@@ -1,5 +1,5 @@
-//! Goal: what a person feels first is what was said, on every kind of device, and the guard knows how the
-//! hand moves. Method: a display and a tracker in memory, in simulated time.
+//! Goal: what a person feels first is what was said, on every kind of device, and the guard knows
+//! how the hand moves. Method: a display and a tracker in memory, in simulated time.
 
 use super::fake::{Display, MS};
 use super::*;
@@ -77,10 +77,10 @@ fn a_still_hand_feels_a_newton() {
     assert!(shown.iter().all(|o| o.force_W.x == 0.0 && o.force_W.z == 0.0));
 }
 
-/// A finger that its tendon opens at 0.19 m/s would take 1 N times two thirds (the sine's mean) of 1.5 s
-/// times that speed: 0.18 J. The guard, which knows the speed, gives out its reserve at most (1 % of the
-/// largest force times 1 m) and then releases all; a stop, which gives nothing to a finger that opens, goes
-/// on.
+/// A finger that its tendon opens at 0.19 m/s would take 1 N times two thirds (the sine's mean) of
+/// 1.5 s times that speed: 0.18 J. The guard, which knows the speed, gives out its reserve at most
+/// (1 % of the largest force times 1 m) and then releases all; a stop, which gives nothing to a
+/// finger that opens, goes on.
 #[test]
 fn the_guard_knows_how_fast_a_finger_opens() {
     let reserve = 0.01 * Limits::cybergrasp().force_max();

@@ -1,7 +1,8 @@
 //! Two builds of the program side by side, on a machine that has other work.
 //!
-//! Both take turns at the same works, a process each, in an order that changes from round to round. A ratio is of two
-//! runs that follow each other; of all rounds the median counts, and how far the others lie apart tells what it is worth.
+//! Both take turns at the same works, a process each, in an order that changes from round to round.
+//! A ratio is of two runs that follow each other; of all rounds the median counts, and how far the
+//! others lie apart tells what it is worth.
 
 use super::goals::Table;
 use super::machine::Peaks;

@@ -344,8 +344,8 @@ fn paper_size_memory() -> Result<Option<f64>, String> {
     Ok(held)
 }
 
-/// Steps per second of two independent sessions on two threads, over those of one alone: of each the best of
-/// [`TURNS`] turns, as other jobs take what they can get.
+/// Steps per second of two independent sessions on two threads, over those of one alone: of each
+/// the best of [`TURNS`] turns, as other jobs take what they can get.
 fn two_cores(steps: usize) -> Result<f64, String> {
     let wanted = SessionSpec { tets: 600, time_step: 1e-3, solver: SOLVERS[0].1 };
     let mut sessions = [free(&wanted)?, free(&wanted)?];

@@ -20,8 +20,8 @@ const DOWN: f64 = 1.2;
 /// Then its fingers flex by so much more \[rad\].
 const PRESS: f64 = 0.25;
 
-/// What whole ticks took \[us\]: a new pose of a tracked hand in each, 16 proxies, five guarded fingers, records, beside
-/// the newest frame of the simulation.
+/// What whole ticks took \[us\]: a new pose of a tracked hand in each, 16 proxies, five guarded
+/// fingers, records, beside the newest frame of the simulation.
 #[derive(Default)]
 struct Ticks {
     /// Ticks in which nothing pressed.
@@ -30,8 +30,8 @@ struct Ticks {
     pressing: Samples,
 }
 
-/// Ticks of a hand that presses a table as its scene's motion and then some more flexion have it, and what led to them kept
-/// for incidents.
+/// Ticks of a hand that presses a table as its scene's motion and then some more flexion have it,
+/// and what led to them kept for incidents.
 ///
 /// # Errors
 /// The scene or the loop cannot be made.
@@ -113,8 +113,8 @@ pub fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Median and 99th percentile of a step of 16 proxies, each with two couplings \[us\]: tracked poses
-/// and simulated bones are a centimetre and 20 degrees apart.
+/// Median and 99th percentile of a step of 16 proxies, each with two couplings \[us\]: tracked
+/// poses and simulated bones are a centimetre and 20 degrees apart.
 pub fn proxies_us() -> (f64, f64) {
     let bones: Vec<RigidState> = (0..BONES)
         .map(|i| RigidState {

@@ -26,7 +26,8 @@ pub struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum BenchCommand {
-    /// Another build of the program beside this one, by turns, on a machine that may have other work.
+    /// Another build of the program beside this one, by turns, on a machine that may have other
+    /// work.
     Against(against::Args),
     /// The paper's table beside ours, on its bread scene and model sizes.
     Paper(paper::Args),

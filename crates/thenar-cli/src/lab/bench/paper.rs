@@ -1,4 +1,5 @@
-//! The timing table of the paper's section 6, beside ours: the paper's own scheme and the exact solver.
+//! The timing table of the paper's section 6, beside ours: the paper's own scheme and the exact
+//! solver.
 
 use super::memory::resident_mb;
 use super::samples::{Samples, Stopwatch};

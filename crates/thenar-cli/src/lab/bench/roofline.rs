@@ -1,8 +1,8 @@
 //! How far each stage of a step is from what the machine allows.
 //!
-//! Operations and bytes are counted from the sizes of the model, not measured: a multiply-add is two
-//! operations, every number that a stage reads or writes counts once. The floor of a stage is the
-//! longer of doing the operations at the peak in f64 and of moving the bytes from where data of
+//! Operations and bytes are counted from the sizes of the model, not measured: a multiply-add is
+//! two operations, every number that a stage reads or writes counts once. The floor of a stage is
+//! the longer of doing the operations at the peak in f64 and of moving the bytes from where data of
 //! that size lies.
 
 use super::goals::Table;
@@ -106,7 +106,8 @@ fn stages(session: &mut Session, steps: u32) -> (Vec<(f64, f64)>, [f64; 5]) {
 fn counts(wanted: &SessionSpec, steps: u32) -> Result<Vec<Count>, String> {
     let mut session = free(wanted)?;
     let (usual, least) = stages(&mut session, steps);
-    // The same steps solved more accurately, by which the factor is not yet worth its cost: the difference is iterations alone.
+    // The same steps solved more accurately, by which the factor is not yet worth its cost: the
+    // difference is iterations alone.
     let mut settings = session.world().desc().solver;
     let (usual_n, usual_time) =
         usual.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no step was measured")?;

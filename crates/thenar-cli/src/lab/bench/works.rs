@@ -31,7 +31,8 @@ const PRESSES: [Press; 5] = [
 ];
 /// When the hand of `free-motion` moves its fingers and none touches another [s].
 const MOVING: f64 = 0.2;
-/// When the hand of `table-press` comes down on the table, and when it has come to lie there and presses [s].
+/// When the hand of `table-press` comes down on the table, and when it has come to lie there and
+/// presses [s].
 const LANDS: f64 = 0.9;
 const PRESSED: f64 = 1.3;
 /// When the hand of `bread-grasp` holds the loaf in the air [s].

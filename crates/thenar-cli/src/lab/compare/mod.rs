@@ -21,8 +21,9 @@ const TWO_STEP: &str = "solver.kind=two-step";
 
 /// Compare the two-step scheme with the exact solver on one scene.
 ///
-/// Both get the same motions, loads and settings, and springs as joint limits. Hands of which the scene does not say are the paper's, as springs in bone need the exact
-/// solver. The two-step scheme is the scene's; --paper makes it the paper's.
+/// Both get the same motions, loads and settings, and springs as joint limits. Hands of which the
+/// scene does not say are the paper's, as springs in bone need the exact solver. The two-step
+/// scheme is the scene's; --paper makes it the paper's.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A scene file, or the name of a built-in scene (see `thenar scenes`).

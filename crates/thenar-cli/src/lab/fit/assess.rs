@@ -1,4 +1,5 @@
-//! What data tell of parameters: estimates, intervals, correlations, and where they tell nothing. Pure.
+//! What data tell of parameters: estimates, intervals, correlations, and where they tell nothing.
+//! Pure.
 
 use super::least_squares::{Minimum, rms};
 use super::student::t95;
@@ -43,8 +44,8 @@ impl Parameter {
 pub struct Estimate {
     /// Value that fits best.
     pub value: f64,
-    /// Standard error of the coordinate: of the value's logarithm for a factor, of `value / of` for a distance;
-    /// infinite where the data do not say.
+    /// Standard error of the coordinate: of the value's logarithm for a factor, of `value / of` for
+    /// a distance; infinite where the data do not say.
     pub error: f64,
     /// The 95 % interval of the value.
     pub interval: [f64; 2],
@@ -61,23 +62,24 @@ pub struct Assessment {
     pub correlation: DMatrix<f64>,
     /// Root mean square of what is left, with the freedoms taken off.
     pub scatter: f64,
-    /// Ratio of the largest to the least singular value of the derivatives, their columns scaled to length one;
-    /// infinite where some combination of parameters does not show at all.
+    /// Ratio of the largest to the least singular value of the derivatives, their columns scaled to
+    /// length one; infinite where some combination of parameters does not show at all.
     pub condition: f64,
     /// Correlation of each residual with the next.
     pub persistence: f64,
-    /// By how much errors were widened since neighbouring residuals are alike: 1 where they are not.
+    /// By how much errors were widened since neighbouring residuals are alike: 1 where they are
+    /// not.
     pub widened: f64,
 }
 
 /// Correlations beyond this say that two parameters are seen together only.
 pub const CORRELATION_MAX: f64 = 0.98;
-/// A combination of scaled columns whose singular value is this part of the largest is not seen: what differences of
-/// runs that stop at tolerances of 1e-5 leave of it is noise.
+/// A combination of scaled columns whose singular value is this part of the largest is not seen:
+/// what differences of runs that stop at tolerances of 1e-5 leave of it is noise.
 const SEEN: f64 = 1e-5;
 
-/// Judges a minimum. `span_max`: an interval over which a parameter changes by more than this factor tells nothing
-/// (for a distance: wider than this many of its units).
+/// Judges a minimum. `span_max`: an interval over which a parameter changes by more than this
+/// factor tells nothing (for a distance: wider than this many of its units).
 pub fn assess(parameters: &[Parameter], minimum: &Minimum, span_max: f64) -> Assessment {
     let (n, p) = minimum.jacobian.shape();
     let freedoms = n.saturating_sub(p).max(1);
@@ -173,8 +175,8 @@ fn reasons(
     reasons
 }
 
-/// `(UᵀU)⁻¹` of a matrix with columns of length one, by its singular values; what is not seen is left out and
-/// told, as directions. The third is the condition number.
+/// `(UᵀU)⁻¹` of a matrix with columns of length one, by its singular values; what is not seen is
+/// left out and told, as directions. The third is the condition number.
 fn inverse_square(unit: DMatrix<f64>) -> (DMatrix<f64>, Vec<Vec<f64>>, f64) {
     let p = unit.ncols();
     if p == 0 {
@@ -194,7 +196,8 @@ fn inverse_square(unit: DMatrix<f64>) -> (DMatrix<f64>, Vec<Vec<f64>>, f64) {
         if *sigma <= SEEN * largest {
             unseen.push(v.iter().copied().collect());
         }
-        // A direction that is not seen counts by the bound of what is: correlations then show who goes with whom.
+        // A direction that is not seen counts by the bound of what is: correlations then show who
+        // goes with whom.
         let sigma = sigma.max(SEEN * largest);
         inverse += &v * v.transpose() / (sigma * sigma);
     }
@@ -209,8 +212,9 @@ fn persistence(residuals: &[f64]) -> f64 {
     if all > 0.0 { next / all } else { 0.0 }
 }
 
-/// By what errors of a mean grow where each residual is like the one before: `√((1+r)/(1-r))` of a series of first
-/// order. Correlations that independent errors have by chance, up to 2/√n, change nothing.
+/// By what errors of a mean grow where each residual is like the one before: `√((1+r)/(1-r))` of a
+/// series of first order. Correlations that independent errors have by chance, up to 2/√n, change
+/// nothing.
 fn widening(persistence: f64, n: usize) -> f64 {
     if persistence <= 2.0 / (n as f64).sqrt() {
         return 1.0;
@@ -234,8 +238,8 @@ mod tests {
         Minimum { at, residuals: residuals.to_vec(), jacobian, iterations: 1, converged: true }
     }
 
-    /// Regression `y = a + b x` on x = 0..4: `s² = SSR/3`, `var b = s²/10`, `var a = s² (1/5 + 4/10)`, correlation
-    /// `-x̄ /√(Σx²/n)` = -2/√6.
+    /// Regression `y = a + b x` on x = 0..4: `s² = SSR/3`, `var b = s²/10`,
+    /// `var a = s² (1/5 + 4/10)`, correlation `-x̄ /√(Σx²/n)` = -2/√6.
     #[test]
     fn errors_of_a_line_are_those_of_the_closed_form() {
         let left = [0.1, -0.2, 0.1, 0.1, -0.1];
@@ -303,7 +307,8 @@ mod tests {
         assert!(!none.estimates[0].cannot_tell.is_empty());
     }
 
-    /// A model that misses by a slow wave: neighbours are alike, and errors grow as for a third of the data.
+    /// A model that misses by a slow wave: neighbours are alike, and errors grow as for a third of
+    /// the data.
     #[test]
     fn residuals_that_persist_widen_what_is_claimed() {
         let wave: Vec<f64> = (0..100).map(|i| (f64::from(i) * 0.3).sin()).collect();

@@ -1,5 +1,5 @@
-//! The press that a fit runs again and again: a scripted body of a scene comes down on what is fitted, and the force
-//! on it along its way is read.
+//! The press that a fit runs again and again: a scripted body of a scene comes down on what is
+//! fitted, and the force on it along its way is read.
 
 use super::data::PressData;
 use super::least_squares::Trial;
@@ -16,7 +16,8 @@ use thenar_core::model::{BodyId, Digit, Motion};
 use thenar_scene::format::Probe;
 use thenar_scene::session::Session;
 
-/// The plate sets out so far from touch, and goes so much deeper than the data: room for an offset \[m\].
+/// The plate sets out so far from touch, and goes so much deeper than the data: room for an offset
+/// \[m\].
 pub const SLACK: f64 = 0.5e-3;
 /// Keyframes that a measured course of depth is led by, at most: straight lines between.
 const KEYS_MAX: usize = 2000;
@@ -53,7 +54,8 @@ pub struct Finger {
 }
 
 impl Bench {
-    /// Sets up a press of a scene's only scripted body that moves, or of the one named; of the built-in scene, on a finger.
+    /// Sets up a press of a scene's only scripted body that moves, or of the one named; of the
+    /// built-in scene, on a finger.
     ///
     /// # Errors
     /// The scene is wrong, or does not press.
@@ -94,8 +96,9 @@ impl Bench {
         Ok(bench)
     }
 
-    /// Where the body first touches on the way between its first and last keyframe, by running the scene's own press
-    /// until there is a force: the gap that is left a step before gives the place.
+    /// Where the body first touches on the way between its first and last keyframe, by running the
+    /// scene's own press until there is a force: the gap that is left a step before gives the
+    /// place.
     fn find_touch(&mut self, session: &Session) -> Result<(), String> {
         let index = rigid(session, &self.body).ok_or("the body is gone")?;
         let scene = session.scene();
@@ -117,7 +120,8 @@ impl Bench {
             return Err(format!("`{}` ends where it starts: it shows no way", self.body));
         }
         self.way = (last - first) / length;
-        // The body's frame may lie beside that of its keyframes (meshes): what counts is the way gone.
+        // The body's frame may lie beside that of its keyframes (meshes): what counts is the way
+        // gone.
         let course =
             moves(&self.body, &first, &self.way, &[[0.0, 0.0], [length / self.rate, length]]);
         let mut session = self.open(&course).map_err(|e| e.to_string())?;
@@ -186,8 +190,8 @@ impl Bench {
         self.presses.load(Ordering::Relaxed)
     }
 
-    /// Forces \[N\] at the data's depths, or times, with these changes of the scene and the zero of depth moved
-    /// by `offset` \[m\].
+    /// Forces \[N\] at the data's depths, or times, with these changes of the scene and the zero of
+    /// depth moved by `offset` \[m\].
     ///
     /// # Errors
     /// Ctrl-C was pressed.

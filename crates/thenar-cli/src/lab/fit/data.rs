@@ -60,8 +60,9 @@ pub fn read(file: &Path) -> Result<PressData, CliError> {
     parse(&text).map_err(|e| CliError::Input(format!("{}:{e}", file.display())))
 }
 
-/// Reads a table: a header such as `depth [mm],force [N],time [s]`, in any order and beside other columns, which are
-/// passed over; commas, semicolons or tabs between; lines that begin with `#` say nothing.
+/// Reads a table: a header such as `depth [mm],force [N],time [s]`, in any order and beside other
+/// columns, which are passed over; commas, semicolons or tabs between; lines that begin with `#`
+/// say nothing.
 ///
 /// # Errors
 /// `line: reason`.

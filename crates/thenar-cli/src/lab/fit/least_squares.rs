@@ -1,5 +1,6 @@
-//! Nonlinear least squares: Levenberg's and Marquardt's method on a curve that is expensive to compute and known
-//! without derivatives. Pure: what it is given is a function of coordinates of order one.
+//! Nonlinear least squares: Levenberg's and Marquardt's method on a curve that is expensive to
+//! compute and known without derivatives. Pure: what it is given is a function of coordinates of
+//! order one.
 
 use nalgebra::{DMatrix, DVector};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -40,7 +41,8 @@ pub struct Minimum {
     pub converged: bool,
 }
 
-/// A step smaller than this in all coordinates, which are logarithms or of order one, ends the search.
+/// A step smaller than this in all coordinates, which are logarithms or of order one, ends the
+/// search.
 const STEP_MIN: f64 = 1e-4;
 /// No coordinate moves further in one step: a factor of 2.7 on a modulus.
 const STEP_MAX: f64 = 1.0;
@@ -48,8 +50,9 @@ const ITERATIONS_MAX: u32 = 30;
 /// Damping at which nothing better is found any more, relative to the diagonal.
 const DAMPING_MAX: f64 = 1e8;
 
-/// Finds the least sum of squares of `curve - data` near `start`. Derivatives are differences of the curve over twice
-/// `widths`, computed on all processors; `tell` hears the root mean square after each step.
+/// Finds the least sum of squares of `curve - data` near `start`. Derivatives are differences of
+/// the curve over twice `widths`, computed on all processors; `tell` hears the root mean square
+/// after each step.
 ///
 /// # Errors
 /// There is no curve at the start, or the curve ends the fit.
@@ -96,8 +99,8 @@ fn apart(values: &[f64], data: &[f64]) -> Vec<f64> {
 
 type Better = (Vec<f64>, Vec<f64>, f64);
 
-/// A place with a smaller sum of squares, its residuals and the largest coordinate of the step to it; the damping
-/// falls with success and rises without.
+/// A place with a smaller sum of squares, its residuals and the largest coordinate of the step to
+/// it; the damping falls with success and rises without.
 fn better<E>(
     curve: Curve<'_, E>,
     data: &[f64],

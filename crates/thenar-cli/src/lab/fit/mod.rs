@@ -28,14 +28,14 @@ const PRESS_FILE: &str = "scenes/validation/f01-press.toml";
 
 /// Find moduli from force and depth measured on a finger, with their uncertainty.
 ///
-/// The table has a header with units, e.g. `depth [mm],force [N]`, and perhaps `time [s]`. The program's own press is
-/// run again and again until its force fits best; see docs/fit.md.
+/// The table has a header with units, e.g. `depth [mm],force [N]`, and perhaps `time [s]`. The
+/// program's own press is run again and again until its force fits best; see docs/fit.md.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// What was measured: CSV with the columns depth, force and perhaps time.
     data: PathBuf,
-    /// A scene that presses, instead of the built-in one: one scripted body with keyframes, and a contact probe that
-    /// has it.
+    /// A scene that presses, instead of the built-in one: one scripted body with keyframes, and a
+    /// contact probe that has it.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["finger", "angle"])]
     scene: Option<PathBuf>,
     /// The scripted body that presses; needed if there are several.
@@ -50,8 +50,9 @@ pub struct Args {
     /// Speed of the press where the data have no time [mm/s].
     #[arg(long, value_name = "MM/S", default_value_t = 5.0)]
     rate: f64,
-    /// What to find: young, alpha (Ogden's law), part1 to part4 and time1 to time4 (memory), or keys of the scene with
-    /// a start, e.g. hand.hand.material.poisson=0.45; `young=3e4` starts there.
+    /// What to find: young, alpha (Ogden's law), part1 to part4 and time1 to time4 (memory), or
+    /// keys of the scene with a start, e.g. hand.hand.material.poisson=0.45; `young=3e4` starts
+    /// there.
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', default_value = "young")]
     parameters: Vec<String>,
     /// The zero of depth is certain: do not fit it.
@@ -77,7 +78,8 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// Data, scene or a parameter is wrong, the press cannot be computed, an output cannot be written, or Ctrl-C was pressed.
+/// Data, scene or a parameter is wrong, the press cannot be computed, an output cannot be written,
+/// or Ctrl-C was pressed.
 pub fn run(args: &Args) -> Result<(), CliError> {
     check(args)?;
     thenar_output::protect(&args.data);
@@ -206,8 +208,9 @@ struct Fit {
     runs: usize,
 }
 
-/// Differences are taken over this much of a logarithm, or of an offset's unit: a press repeats to 1e-4 of its force
-/// (steps end at velocities of 1e-5 m/s), and over four hundredths the second derivative leaves less.
+/// Differences are taken over this much of a logarithm, or of an offset's unit: a press repeats to
+/// 1e-4 of its force (steps end at velocities of 1e-5 m/s), and over four hundredths the second
+/// derivative leaves less.
 const WIDTH: f64 = 0.02;
 
 fn fit(

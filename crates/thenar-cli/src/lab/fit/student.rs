@@ -1,8 +1,8 @@
 //! Student's distribution, for intervals from few data.
 
-/// The value that a variable of Student's distribution with `freedoms` degrees of freedom stays under, in size, with
-/// a probability of 95 %. Found by bisection of the regularised incomplete beta function:
-/// `P(|t| > x) = I_{f/(f+x²)}(f/2, 1/2)`.
+/// The value that a variable of Student's distribution with `freedoms` degrees of freedom stays
+/// under, in size, with a probability of 95 %. Found by bisection of the regularised incomplete
+/// beta function: `P(|t| > x) = I_{f/(f+x²)}(f/2, 1/2)`.
 pub fn t95(freedoms: usize) -> f64 {
     let f = freedoms.max(1) as f64;
     let beyond = |x: f64| incomplete_beta(f / (f + x * x), 0.5 * f, 0.5);
@@ -15,8 +15,8 @@ pub fn t95(freedoms: usize) -> f64 {
     0.5 * (low + high)
 }
 
-/// The regularised incomplete beta function `I_x(a, b)`, by its continued fraction on the side where that
-/// converges fast, `x < (a + 1)/(a + b + 2)`, and by symmetry on the other.
+/// The regularised incomplete beta function `I_x(a, b)`, by its continued fraction on the side
+/// where that converges fast, `x < (a + 1)/(a + b + 2)`, and by symmetry on the other.
 fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     if x <= 0.0 || x >= 1.0 {
         return x.clamp(0.0, 1.0);
@@ -28,8 +28,9 @@ fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     front.exp() * fraction(x, a, b) / a
 }
 
-/// The continued fraction 1/(1 + d₁/(1 + d₂/(1 + …))) of the incomplete beta function, by Lentz's method:
-/// `d_{2m} = m (b-m) x / ((a+2m-1)(a+2m))`, `d_{2m+1} = -(a+m)(a+b+m) x / ((a+2m)(a+2m+1))`.
+/// The continued fraction 1/(1 + d₁/(1 + d₂/(1 + …))) of the incomplete beta function, by Lentz's
+/// method: `d_{2m} = m (b-m) x / ((a+2m-1)(a+2m))`,
+/// `d_{2m+1} = -(a+m)(a+b+m) x / ((a+2m)(a+2m+1))`.
 fn fraction(x: f64, a: f64, b: f64) -> f64 {
     let apart = |y: f64| if y.abs() < 1e-300 { 1e-300 } else { y };
     let (mut value, mut above, mut below) = (1.0, 1.0, 0.0);
@@ -63,7 +64,8 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// Closed forms: one freedom tan(0.475 π); two freedoms `0.95 √(2/(1 - 0.95²))`; tables for the rest.
+    /// Closed forms: one freedom tan(0.475 π); two freedoms `0.95 √(2/(1 - 0.95²))`; tables for the
+    /// rest.
     #[test]
     fn the_quantiles_of_the_tables_come_out() {
         let one = (0.475 * PI).tan();

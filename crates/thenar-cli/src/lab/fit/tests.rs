@@ -1,5 +1,6 @@
-//! Goal: a fit finds the moduli that data were made with, claims no more than it can, and says what data cannot tell.
-//! Method: data of the program's own press at known moduli with seeded noise, and a curve like those of people.
+//! Goal: a fit finds the moduli that data were made with, claims no more than it can, and says what
+//! data cannot tell. Method: data of the program's own press at known moduli with seeded noise, and
+//! a curve like those of people.
 
 use super::*;
 use std::path::Path;
@@ -139,15 +140,17 @@ fn data_that_cannot_tell_are_said_not_to() {
     }
 }
 
-/// A curve in the middle of the band of twenty people: 1 N at 1.75 mm, four times as stiff at 5 N as at 0.5 N. People's
-/// pulp has 30 to 100 kPa some 20 ms after a strain; the scene's memory leaves a quarter of what is there at once by
-/// then, so that 100 to 500 kPa at once are of that size.
+/// A curve in the middle of the band of twenty people: 1 N at 1.75 mm, four times as stiff at 5 N
+/// as at 0.5 N. People's pulp has 30 to 100 kPa some 20 ms after a strain; the scene's memory
+/// leaves a quarter of what is there at once by then, so that 100 to 500 kPa at once are of that
+/// size.
 #[test]
 fn a_finger_like_people_s_has_a_modulus_like_people_s() {
     let finger = Some(Finger { digit: Digit::Index, angle_deg: 30.0 });
     let coarse = ["time_step=0.01".to_string()];
     let bench = Bench::new(PRESS.into(), PRESS_FILE.into(), &coarse, None, finger, 5e-3).unwrap();
-    // F = A (exp(b d) - 1) has the stiffness b (F + A): (5 + A)/(0.5 + A) = 4 at A = 1 N, so b = ln 2 / 1.75 mm.
+    // F = A (exp(b d) - 1) has the stiffness b (F + A): (5 + A)/(0.5 + A) = 4 at A = 1 N, so b = ln
+    // 2 / 1.75 mm.
     let depth = depths(16, 2.4e-3);
     let b = 2f64.ln() / 1.75e-3;
     let force = depth.iter().map(|d| (b * d).exp_m1()).collect();

@@ -1,4 +1,5 @@
-//! What is fitted: names of parameters, the keys of the scene that they stand for, and where each starts.
+//! What is fitted: names of parameters, the keys of the scene that they stand for, and where each
+//! starts.
 
 use super::assess::{Parameter, Scale};
 use thenar_core::model::Law;
@@ -27,7 +28,8 @@ impl Unknown {
         Self { parameter, key: None }
     }
 
-    /// Reads `young`, `young=3e4`, or a key of the scene with its start, `hand.hand.material.young=3e4`.
+    /// Reads `young`, `young=3e4`, or a key of the scene with its start,
+    /// `hand.hand.material.young=3e4`.
     ///
     /// # Errors
     /// The name is unknown, or there is nowhere to start.

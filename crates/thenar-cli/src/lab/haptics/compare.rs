@@ -30,7 +30,8 @@ pub struct Args {
     /// Rate [Hz], delay [ms] and noise [mm] of the tracker.
     #[arg(long, value_name = "HZ,DELAY,NOISE", default_value = "1000,0,0", value_parser = tracker)]
     tracker: TrackerTiming,
-    /// Damping of the loosest grip that the loop reckons with [N s/m]; without it the couplings are felt as they are.
+    /// Damping of the loosest grip that the loop reckons with [N s/m]; without it the couplings are
+    /// felt as they are.
     #[arg(long, value_name = "B")]
     grip: Option<f64>,
     /// Also draws force against time and against displacement as SVG.
@@ -38,7 +39,8 @@ pub struct Args {
     svg: Option<PathBuf>,
 }
 
-/// Modes and periods of the scene \[ms\]; the first, which steps within each tick, is the reference.
+/// Modes and periods of the scene \[ms\]; the first, which steps within each tick, is the
+/// reference.
 const RUNS: [(LoopMode, u64); 5] = [
     (LoopMode::SingleRate, 16),
     (LoopMode::Shared, 16),

@@ -1,4 +1,5 @@
-//! Stability maps: the stiffest coupling on which a loosely held hand comes to rest, against the tracker's rate and delay.
+//! Stability maps: the stiffest coupling on which a loosely held hand comes to rest, against the
+//! tracker's rate and delay.
 
 use super::rehearse::human;
 use crate::chart::{Axis, Dash, Line, Panel, page};
@@ -17,11 +18,12 @@ const SCENE: &str = "table-press";
 /// When it lies there \[s\].
 const UNTIL: f64 = 1.2;
 
-/// How stiff a coupling may be for a hand that gives way, against the tracker's rate and delay: found in closed loop with a
-/// scene, beside theory.
+/// How stiff a coupling may be for a hand that gives way, against the tracker's rate and delay:
+/// found in closed loop with a scene, beside theory.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// A scene whose first hand is worn, with its motion as the wearer's command; without one, a hand presses a table.
+    /// A scene whose first hand is worn, with its motion as the wearer's command; without one, a
+    /// hand presses a table.
     scene: Option<PathBuf>,
     /// Mass [kg], damping [N s/m] and stiffness [N/m] of each finger at its pad.
     #[arg(long, value_name = "M,B,K", default_value = "0.05,1,50", value_parser = human)]

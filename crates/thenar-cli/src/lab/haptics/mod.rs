@@ -1,5 +1,5 @@
-//! `thenar haptics`: what touch does, without a device: how stiff a coupling may be, how the three modes
-//! differ, and what a loosely held hand makes of a late tracker.
+//! `thenar haptics`: what touch does, without a device: how stiff a coupling may be, how the three
+//! modes differ, and what a loosely held hand makes of a late tracker.
 
 mod compare;
 mod map;

@@ -10,8 +10,8 @@ use thenar_touch::{GRIP, LoopProfile, MARGIN, TrackerTiming};
 /// Names of fingers, thumb first.
 const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
 
-/// A hand that gives way, seen by a late tracker, in closed loop with a scene: what it feels, and whether
-/// that dies out.
+/// A hand that gives way, seen by a late tracker, in closed loop with a scene: what it feels, and
+/// whether that dies out.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A scene whose first hand is worn, with its motion as the wearer's command.

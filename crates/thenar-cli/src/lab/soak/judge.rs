@@ -1,5 +1,5 @@
-//! What a soak must keep to. Limits of quality are requirements, the same at every step, of one seed or of several together: what
-//! a wearer of a glove or a viewer of the page would notice.
+//! What a soak must keep to. Limits of quality are requirements, the same at every step, of one
+//! seed or of several together: what a wearer of a glove or a viewer of the page would notice.
 
 use super::Extremes;
 use std::fmt;
@@ -18,8 +18,8 @@ const DEEP_TIME_MAX: f64 = 0.1;
 pub const JOINT_GAP_MAX: f64 = 5e-5;
 /// Steps that may miss the accuracy of contact \[%\].
 const MISSED_MAX: f64 = 5.0;
-/// Largest error of contact where it missed its accuracy \[m/s\]: one below moves a point by less than 17 µm in the longest usual
-/// step of 16.7 ms, which is a fiftieth of the contact margin.
+/// Largest error of contact where it missed its accuracy \[m/s\]: one below moves a point by less
+/// than 17 µm in the longest usual step of 16.7 ms, which is a fiftieth of the contact margin.
 pub const MISS_MAX: f64 = 1e-3;
 
 /// One figure of a soak and its limit, in the unit that is printed.
@@ -64,8 +64,8 @@ pub fn soundness(e: &Extremes) -> Vec<Figure> {
     ]
 }
 
-/// What a soak at steps of `h` \[s\] is held to besides: no penetration that is felt or seen, joints that
-/// hold, contact as accurate as it is asked for.
+/// What a soak at steps of `h` \[s\] is held to besides: no penetration that is felt or seen,
+/// joints that hold, contact as accurate as it is asked for.
 pub fn quality(e: &Extremes, h: f64) -> Vec<Figure> {
     let percent = |steps: u64| 100.0 * steps as f64 / e.steps.max(1) as f64;
     vec![
@@ -90,7 +90,8 @@ mod tests {
 
     #[test]
     fn each_limit_is_kept_to_its_edge_and_missed_beyond() {
-        // At every edge: 3 of 3600 steps are under 0.1 %, 179 under 5 %, five steps of 1/60 s under 0.1 s.
+        // At every edge: 3 of 3600 steps are under 0.1 %, 179 under 5 %, five steps of 1/60 s under
+        // 0.1 s.
         let e = Extremes {
             steps: 3600,
             deep: 3,

@@ -1,4 +1,5 @@
-//! What a soak simulates: a closed pen with a table, a car, a loaf and a hand that goes anywhere in it.
+//! What a soak simulates: a closed pen with a table, a car, a loaf and a hand that goes anywhere in
+//! it.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -7,12 +8,12 @@ use thenar_scene::session::{Random, Session, StartOverlap};
 
 /// Half the width of the pen that keeps everything within reach, and its height \[m\].
 const PEN: [f64; 2] = [0.25, 0.4];
-/// Places for the hand's start that are tried: where one in ten is without overlap, all fail for one seed
-/// in 800.
+/// Places for the hand's start that are tried: where one in ten is without overlap, all fail for
+/// one seed in 800.
 const TRIES: u32 = 64;
 
-/// Opens the scene of a seed where the hand overlaps nothing; also tells how many places were tried before.
-/// A seed always gives one place, and one motion after it wherever it begins.
+/// Opens the scene of a seed where the hand overlaps nothing; also tells how many places were tried
+/// before. A seed always gives one place, and one motion after it wherever it begins.
 ///
 /// # Errors
 /// The scene is wrong, or everything that was tried overlaps.

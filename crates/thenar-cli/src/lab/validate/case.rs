@@ -130,14 +130,15 @@ pub enum Basis {
     /// Theory, a published figure or an independent computation.
     #[default]
     Theory,
-    /// How the program is built: whoever knows that knows the figure. It guards against slips and says
-    /// nothing of nature.
+    /// How the program is built: whoever knows that knows the figure. It guards against slips and
+    /// says nothing of nature.
     Construction,
     /// Another part of this program.
     Itself,
     /// A band that was measured on people, with its source in `docs/references.md`.
     People,
-    /// A band remembered from the literature, none of whose tables was at hand: less than a measurement.
+    /// A band remembered from the literature, none of whose tables was at hand: less than a
+    /// measurement.
     Recalled,
 }
 

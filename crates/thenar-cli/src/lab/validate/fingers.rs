@@ -1,5 +1,6 @@
-//! Fingers against people: bands, not points. Every case of a hand has the same constants, those of its scene
-//! (`f01-press`, `f06-knuckle`); overrides give another hand, finger, angle or course of the plate alone.
+//! Fingers against people: bands, not points. Every case of a hand has the same constants, those of
+//! its scene (`f01-press`, `f06-knuckle`); overrides give another hand, finger, angle or course of
+//! the plate alone.
 
 mod curve;
 mod friction;

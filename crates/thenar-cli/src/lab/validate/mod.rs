@@ -1,6 +1,6 @@
-//! `thenar validate`: figures that theory gives, and bands of people, beside those that we compute. Every case but those
-//! of touch runs scene files of `scenes/validation` in this crate and reads their probes; nothing in it knows the
-//! solver.
+//! `thenar validate`: figures that theory gives, and bands of people, beside those that we compute.
+//! Every case but those of touch runs scene files of `scenes/validation` in this crate and reads
+//! their probes; nothing in it knows the solver.
 
 mod bodies;
 mod case;

@@ -177,8 +177,8 @@ pub fn to_json(findings: &[Finding]) -> Value {
     json!({ "cases": findings.iter().map(case).collect::<Vec<_>>() })
 }
 
-/// The last lines: how many figures passed, failed, could not be met, and how many of those that passed
-/// say nothing of nature.
+/// The last lines: how many figures passed, failed, could not be met, and how many of those that
+/// passed say nothing of nature.
 pub fn tally(findings: &[Finding]) -> String {
     let figures = || findings.iter().filter_map(|f| f.figures.as_ref().ok()).flatten();
     let count = |o: Outcome| figures().filter(|f| f.outcome() == o).count();

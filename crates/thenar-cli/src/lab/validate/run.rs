@@ -132,8 +132,9 @@ impl Run {
         self.session.world()
     }
 
-    /// Area of the points that bear load \[m²\], of all contacts: the patch of theory, where surfaces part at
-    /// its rim at once. What a probe calls area has a rim of skin besides, that is within 20 µm and unloaded.
+    /// Area of the points that bear load \[m²\], of all contacts: the patch of theory, where
+    /// surfaces part at its rim at once. What a probe calls area has a rim of skin besides, that is
+    /// within 20 µm and unloaded.
     pub fn bearing_area(&self) -> f64 {
         let bears = |c: &&ContactPoint| c.force_W.dot(&c.normal_W) > 0.0;
         self.world().contacts().iter().filter(bears).map(|c| c.area).sum()

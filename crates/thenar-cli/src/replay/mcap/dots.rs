@@ -205,8 +205,9 @@ pub fn flesh(session: &Session, dots: &[Dots], ns: u64) -> Vec<(String, PointClo
         .collect()
 }
 
-/// Where bodies touch, with what is there: force on the first body \[N\], its normal part, gap \[m\], normal towards that body,
-/// area \[m²\] and mean pressure \[Pa\], both 0 between rigid bodies, which touch at points.
+/// Where bodies touch, with what is there: force on the first body \[N\], its normal part, gap
+/// \[m\], normal towards that body, area \[m²\] and mean pressure \[Pa\], both 0 between rigid
+/// bodies, which touch at points.
 pub fn contacts(session: &Session, ns: u64) -> PointCloud {
     let names = [
         "force",

@@ -85,8 +85,8 @@ impl Numbers {
         self.fields.iter().map(|(name, unit)| (format!("unit.{name}"), unit.clone())).collect()
     }
 
-    /// Encodes a message. Zeros are written too, so that a plot need not know what is left out; what
-    /// is not known is NaN.
+    /// Encodes a message. Zeros are written too, so that a plot need not know what is left out;
+    /// what is not known is NaN.
     pub fn encode(&self, values: impl IntoIterator<Item = f64>) -> Vec<u8> {
         let mut out = Vec::with_capacity(11 * self.fields.len());
         let values = values.into_iter().chain(std::iter::repeat(f64::NAN));

@@ -1,5 +1,5 @@
-//! The paper's own device, simulated: a CyberGlove that closes and opens where bread and car are held, and the tendons
-//! of a CyberGrasp on it, behind its bridge.
+//! The paper's own device, simulated: a CyberGlove that closes and opens where bread and car are
+//! held, and the tendons of a CyberGrasp on it, behind its bridge.
 
 use super::glove::WavingGlove;
 use crate::error::CliError;
@@ -11,8 +11,8 @@ use std::thread::JoinHandle;
 use thenar_link::cyberglove::ClassicTwin;
 use thenar_link::cybergrasp::{SimulatedUnit, serve_unit};
 
-/// The wrist where `bread-grasp`, `bread-squeeze` and `car-grasp` close their hands, turned by 30 degrees about the
-/// vertical as theirs are.
+/// The wrist where `bread-grasp`, `bread-squeeze` and `car-grasp` close their hands, turned by 30
+/// degrees about the vertical as theirs are.
 const WRIST: &str = "\
 [wrist]
 position = [0.068, 0.098, 0.071]

@@ -18,7 +18,8 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// The addresses that stand for this one: its own unless it is of a device to be simulated, which is started.
+    /// The addresses that stand for this one: its own unless it is of a device to be simulated,
+    /// which is started.
     ///
     /// # Errors
     /// There is no such device, or the system gives no place for it.

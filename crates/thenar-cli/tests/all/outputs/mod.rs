@@ -1,6 +1,6 @@
-//! Goal: every output of every command is complete or not there, replaces nothing but plain files, and
-//! leaves nothing behind whatever signal comes when. Method: the program is run as a user runs it, and
-//! its folder looked at.
+//! Goal: every output of every command is complete or not there, replaces nothing but plain files,
+//! and leaves nothing behind whatever signal comes when. Method: the program is run as a user runs
+//! it, and its folder looked at.
 
 #[cfg(unix)]
 mod signals;

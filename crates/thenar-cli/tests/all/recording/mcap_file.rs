@@ -111,7 +111,8 @@ fn an_mcap_file_has_the_promised_topics_and_the_physics_in_them() {
     // An arrow and twelve points for each force that is seen.
     let (stride, data) = cloud(&topics["/points/forces"].last().unwrap().1);
     assert_eq!(data.len() / stride, 12 * landed);
-    // Pressure over area is the force along the normal, and the flat face of 50 mm that lies on the table bears it all.
+    // Pressure over area is the force along the normal, and the flat face of 50 mm that lies on the
+    // table bears it all.
     let contacts = &topics["/points/contacts"].last().unwrap().1;
     let (stride, data) = cloud(contacts);
     let fields = list(contacts, "fields");

@@ -1,6 +1,6 @@
-//! Goal: `record`, `run --record`, `serve --record`, `touch --record` and `replay` keep their promises: the
-//! same bits, usable files after `kill -9` and on a full disk, exit codes, whole tables. Method: the
-//! program is run as a user runs it.
+//! Goal: `record`, `run --record`, `serve --record`, `touch --record` and `replay` keep their
+//! promises: the same bits, usable files after `kill -9` and on a full disk, exit codes, whole
+//! tables. Method: the program is run as a user runs it.
 
 #[cfg(unix)]
 mod disk;

@@ -112,7 +112,8 @@ fn a_recording_of_an_older_build_opens_and_tells_from_where_it_differs() {
     let replayed = folder.thenar(&["replay", "older.rec"]);
     assert!(replayed.status.success(), "{}", err(&replayed));
     let said = out(&replayed);
-    // The cube falls freely for some 40 of its 50 steps: where another processor rounds differently it differs sooner.
+    // The cube falls freely for some 40 of its 50 steps: where another processor rounds differently
+    // it differs sooner.
     assert!(said.contains("differs from step "), "{said}");
     assert!(said.contains("it was recorded by another build of thenar"), "{said}");
 }

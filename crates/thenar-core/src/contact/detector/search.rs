@@ -16,8 +16,8 @@ use crate::math::Vec3;
 use crate::model::BodyId;
 
 impl Detector {
-    /// Sweeps along x over all rigid bodies, as far as the [`Allowance`] goes; contacts are then put in the
-    /// order of the bodies.
+    /// Sweeps along x over all rigid bodies, as far as the [`Allowance`] goes; contacts are then
+    /// put in the order of the bodies.
     pub(super) fn rigid_rigid(&mut self, reach: Reach, since: Option<Since>, out: &mut Collector) {
         let Self { pairs, bodies, scratch, .. } = self;
         let Scratch { placed, order, manifold, .. } = scratch;

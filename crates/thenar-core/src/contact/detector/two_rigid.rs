@@ -8,8 +8,8 @@ use crate::contact::rigid_pair::{self, Reach, RigidSide};
 use crate::contact::soft_rigid::KEY_RIGID;
 use crate::contact::{Contact, Shape, Site};
 
-/// Most looks at two bodies on their way, one a thickness: at 60 steps a second those of a card of 0.4 mm that goes
-/// 1.5 m/s. Of a longer way they lie farther apart.
+/// Most looks at two bodies on their way, one a thickness: at 60 steps a second those of a card of
+/// 0.4 mm that goes 1.5 m/s. Of a longer way they lie farther apart.
 const LOOKS_MAX: f64 = 64.0;
 
 /// Two rigid bodies and their numbers.
@@ -27,12 +27,14 @@ impl<'a> TwoRigid<'a> {
         Self { bodies, thickness: if is_bounded { thickness } else { f64::INFINITY } }
     }
 
-    /// Overlaps that are never passed over \[m\]: what lies deeper than half its thickness is nearer to the far side.
+    /// Overlaps that are never passed over \[m\]: what lies deeper than half its thickness is
+    /// nearer to the far side.
     fn slack(&self) -> f64 {
         0.5 * self.thickness
     }
 
-    /// How far the two have moved past each other, if that is enough to make an overlap that counts \[m\].
+    /// How far the two have moved past each other, if that is enough to make an overlap that counts
+    /// \[m\].
     pub fn past(&self, since: &Since) -> Option<f64> {
         let past = since.past(self.bodies[0].1, self.bodies[1].1);
         (past > since.known.slack.min(self.slack())).then_some(past)
@@ -69,8 +71,8 @@ impl<'a> TwoRigid<'a> {
         }
     }
 
-    /// Measures what overlapped on the way of both, which have moved by `past` \[m\]: of bodies thinner than that nothing
-    /// does at its end, if they came through each other.
+    /// Measures what overlapped on the way of both, which have moved by `past` \[m\]: of bodies
+    /// thinner than that nothing does at its end, if they came through each other.
     pub fn measure_way(
         &self,
         since: &Since,

@@ -34,15 +34,16 @@ fn edges_cross_where_their_lines_are_nearest() {
     assert!(above.cross(&below, 0.0).is_none(), "beyond the end");
 }
 
-/// Between two edges that lie level but for a small tilt the gap is that to the face beside the edge, to a thousandth;
-/// at larger tilts the face alone is nearest, and the edges are none.
+/// Between two edges that lie level but for a small tilt the gap is that to the face beside the
+/// edge, to a thousandth; at larger tilts the face alone is nearest, and the edges are none.
 #[test]
 fn what_leans_a_little_from_the_cone_of_normals_still_crosses() {
     let (above, below) = crossing(1e-3);
     for axis in [Vec3::x(), Vec3::z()] {
         for (angle, counts) in [(0.04, true), (-0.04, true), (0.06, false), (-0.06, false)] {
             let leaning = turned(&above, Vec3::y() * 1e-3, axis * angle);
-            // The other way the normal leans towards the side of the edge, where it is one of its own.
+            // The other way the normal leans towards the side of the edge, where it is one of its
+            // own.
             let towards_side = if axis == Vec3::x() { angle > 0.0 } else { angle < 0.0 };
             let met = leaning.cross(&below, 0.0);
             assert_eq!(met.is_some(), counts || towards_side, "{axis} {angle}");
@@ -59,7 +60,8 @@ fn what_leans_a_little_from_the_cone_of_normals_still_crosses() {
     }
 }
 
-/// An edge whose ends go straight on meets another where a fine walk along its way finds that it passes.
+/// An edge whose ends go straight on meets another where a fine walk along its way finds that it
+/// passes.
 #[test]
 fn an_edge_arrives_where_a_walk_finds_it() {
     const WALK: usize = 4000;

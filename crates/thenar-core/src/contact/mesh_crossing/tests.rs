@@ -14,8 +14,8 @@ fn plate(half: Vec3) -> Shape {
     Shape::Mesh(Arc::new(MeshShape::new(points, triangles, grid)))
 }
 
-/// Contacts of plates as thick as this, the upper turned about z and lifted so that its lower side has the edge of the
-/// one below, at x = -30 mm, so deep in it, and of that edge's height.
+/// Contacts of plates as thick as this, the upper turned about z and lifted so that its lower side
+/// has the edge of the one below, at x = -30 mm, so deep in it, and of that edge's height.
 fn contacts(thickness: f64, tilt: f64, depth: f64) -> Vec<Contact> {
     let mut scene = Scene::new();
     let half = 0.5 * thickness;
@@ -27,8 +27,9 @@ fn contacts(thickness: f64, tilt: f64, depth: f64) -> Vec<Contact> {
     scene.find(1e-3)
 }
 
-/// Overlaps beyond the margin of 1 mm are found along edges that lie level, whose boxes are apart, and where the normal is
-/// that of a face: as deep as they are, along the normal of the upper plate.
+/// Overlaps beyond the margin of 1 mm are found along edges that lie level, whose boxes are apart,
+/// and where the normal is that of a face: as deep as they are, along the normal of the upper
+/// plate.
 #[test]
 fn deep_crossings_of_level_edges_lead_out() {
     for thickness in [3e-3, 6e-3, 0.012] {
@@ -56,8 +57,8 @@ fn deep_crossings_of_level_edges_lead_out() {
     }
 }
 
-/// Plates that lie on each other, to a ten-thousandth of a millimetre: their far sides, as deep as both are thick, are
-/// none, however thin.
+/// Plates that lie on each other, to a ten-thousandth of a millimetre: their far sides, as deep as
+/// both are thick, are none, however thin.
 #[test]
 fn edges_of_far_sides_do_not_meet() {
     for thickness in [2e-4, 4e-4, 8e-4, 3e-3, 6e-3] {

@@ -37,7 +37,8 @@ impl SoftSoft<'_> {
     }
 
     /// The direction in which a place is led out, and where. What is not opposed in a region that
-    /// is pressed in follows the rest, and no farther; what came in by itself goes back where it is opposed.
+    /// is pressed in follows the rest, and no farther; what came in by itself goes back where it is
+    /// opposed.
     fn led_by(&self, region: &Region, place: &Place) -> Option<(Vec3, Exit)> {
         if place.is_opposed() && (region.pressed.is_some() || region.way.is_none()) {
             let (triangle, weights) = place.nearest;

@@ -18,8 +18,9 @@ pub(super) struct Cross {
 }
 
 impl SoftSoft<'_> {
-    /// Notes the edges of `s` and `t` that cross. Between two bodies each edge belongs to one triangle; within one surface the
-    /// lowest pair of the edges' faces that may touch answers for them.
+    /// Notes the edges of `s` and `t` that cross. Between two bodies each edge belongs to one
+    /// triangle; within one surface the lowest pair of the edges' faces that may touch answers for
+    /// them.
     pub(super) fn cross(
         &self,
         pair: [u32; 2],
@@ -51,8 +52,9 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Tells which of two edges (triangle and number) of A and B are *rims*: the face across is flesh of a bone joined to that
-    /// of the other edge, and the two never touch. `None` where these two triangles do not answer for the edges.
+    /// Tells which of two edges (triangle and number) of A and B are *rims*: the face across is
+    /// flesh of a bone joined to that of the other edge, and the two never touch. `None` where
+    /// these two triangles do not answer for the edges.
     fn rims(&self, edges: [(u32, usize); 2]) -> Option<[bool; 2]> {
         let [(s, k), (t, l)] = edges;
         let Some(apart) = self.apart else { return Some([false; 2]) };
@@ -82,8 +84,9 @@ impl SoftSoft<'_> {
         Some([of_a, of_b])
     }
 
-    /// The ends of edge `k` of a triangle whose corners have these heights over another one ([`Facet::heights`]), unless it is farther
-    /// than `reach` from that, or belongs to another triangle of its body.
+    /// The ends of edge `k` of a triangle whose corners have these heights over another one
+    /// ([`Facet::heights`]), unless it is farther than `reach` from that, or belongs to another
+    /// triangle of its body.
     #[inline(always)]
     fn edge(
         &self,

@@ -129,8 +129,9 @@ fn no_net_force_no_net_torque_and_rotation_invariance() {
     }
 }
 
-/// Deformed along the plane of the sheet by known stretches, against plane stress: uniaxial and even tension,
-/// pure compression to wrinkles, and a sheet that is in tension at rest. The force on a node is its gradient times stress.
+/// Deformed along the plane of the sheet by known stretches, against plane stress: uniaxial and
+/// even tension, pure compression to wrinkles, and a sheet that is in tension at rest. The force on
+/// a node is its gradient times stress.
 #[test]
 fn a_flat_sheet_obeys_plane_stress() {
     let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
@@ -217,8 +218,8 @@ fn nothing_breaks_at_no_area() {
     }
 }
 
-/// Against the energy, its forces and its stiffness: what is not foreseen is of third order, and a turn that stretches a
-/// stiff sheet is seen.
+/// Against the energy, its forces and its stiffness: what is not foreseen is of third order, and a
+/// turn that stretches a stiff sheet is seen.
 #[test]
 fn surprise_is_what_the_expansion_leaves_out() {
     let mut random = Random::new(15);

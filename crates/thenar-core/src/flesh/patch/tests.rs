@@ -153,8 +153,8 @@ fn an_even_deformation_costs_what_it_costs_the_tetrahedra() {
     }
 }
 
-/// Eleven patches of three to six nodes beyond which some hang together, crushed at random, so that tetrahedra
-/// turn inside out: eight at a time they make what they make one by one.
+/// Eleven patches of three to six nodes beyond which some hang together, crushed at random, so that
+/// tetrahedra turn inside out: eight at a time they make what they make one by one.
 #[test]
 fn eights_sum_to_the_same_as_single_patches() {
     let mut random = Random::new(41);

@@ -31,7 +31,8 @@ impl Frames {
         let n = unit(&self.normal(k, vertices)).unwrap_or_else(Vec3::y);
         let along = place.along_on(vertices);
         let across = |v: Vec3| unit(&(v - n * n.dot(&v)));
-        // Flesh that is turned over so far that its direction is the normal: any other direction does.
+        // Flesh that is turned over so far that its direction is the normal: any other direction
+        // does.
         let t = across(along).or_else(|| across(Vec3::x())).or_else(|| across(Vec3::z()));
         let t = t.unwrap_or_else(Vec3::x);
         (place.on(vertices), [n, t, n.cross(&t)])

@@ -1,8 +1,10 @@
-//! Contact as a skin of taxels feels it: pressing and shear forces at chosen places of a deformable surface.
+//! Contact as a skin of taxels feels it: pressing and shear forces at chosen places of a deformable
+//! surface.
 //!
-//! Every contact of a part (a finger, the palm) is given to the taxels of that part, in shares that sum to one:
-//! whatever the layout, the forces of its taxels sum to the force on the part, to round-off. Who shares a contact
-//! is decided on the surface at rest, so that taxels stay where they are on the skin.
+//! Every contact of a part (a finger, the palm) is given to the taxels of that part, in shares that
+//! sum to one: whatever the layout, the forces of its taxels sum to the force on the part, to
+//! round-off. Who shares a contact is decided on the surface at rest, so that taxels stay where
+//! they are on the skin.
 
 mod frame;
 mod place;
@@ -18,13 +20,14 @@ use crate::world::ContactPoint;
 use frame::Frames;
 use share::{SHARED, share};
 
-/// Reading of a taxel. Its frame moves with the skin: outward normal n, first shear axis t along the surface,
-/// second shear axis n × t.
+/// Reading of a taxel. Its frame moves with the skin: outward normal n, first shear axis t along
+/// the surface, second shear axis n × t.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TaxelContact {
     /// Share of the contact forces, world \[N\].
     pub force_W: Vec3,
-    /// Part of the force that presses, against n \[N\]; negative where neighbours' curvature makes it pull.
+    /// Part of the force that presses, against n \[N\]; negative where neighbours' curvature makes
+    /// it pull.
     pub normal: f64,
     /// Parts of the force along the two shear axes \[N\].
     pub shear: [f64; 2],
@@ -87,8 +90,8 @@ pub struct TaxelReadout {
 }
 
 impl TaxelReadout {
-    /// Taxels at these places of deformable body `soft`. Contacts farther than `reach` from the nearest taxel, on the
-    /// surface at rest, are felt by none \[m\]; infinite for no such bound.
+    /// Taxels at these places of deformable body `soft`. Contacts farther than `reach` from the
+    /// nearest taxel, on the surface at rest, are felt by none \[m\]; infinite for no such bound.
     ///
     /// # Errors
     /// There is no such body, or a place is not on its surface.
@@ -151,8 +154,8 @@ impl TaxelReadout {
         &self.taxels
     }
 
-    /// Force on parts that have taxels which none of them feels, as it is out of reach, world \[N\]. With it the
-    /// taxels' forces sum to that on the parts.
+    /// Force on parts that have taxels which none of them feels, as it is out of reach, world
+    /// \[N\]. With it the taxels' forces sum to that on the parts.
     pub fn missed_W(&self) -> Vec3 {
         self.missed_W
     }
@@ -162,7 +165,8 @@ impl TaxelReadout {
         self.parts.get(part as usize).is_some_and(|taxels| !taxels.is_empty())
     }
 
-    /// The part that a contact touches on this side, and where that is at rest; `None` where it is of no taxel.
+    /// The part that a contact touches on this side, and where that is at rest; `None` where it is
+    /// of no taxel.
     fn place_touched(
         &self,
         world: &World,

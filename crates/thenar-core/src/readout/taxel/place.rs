@@ -11,7 +11,8 @@ pub struct TaxelPlace {
     pub vertices: [u32; 3],
     /// Barycentric weights of the place, of sum 1.
     pub weights: [f64; 3],
-    /// First shear axis, as a combination of the edges from the first corner to the second and to the third.
+    /// First shear axis, as a combination of the edges from the first corner to the second and to
+    /// the third.
     pub along: [f64; 2],
 }
 
@@ -26,15 +27,16 @@ pub struct TaxelSkin<'a> {
 }
 
 impl<'a> TaxelSkin<'a> {
-    /// The surface of this flesh; `parts` gives the part of each collision vertex, and is empty when the body is one.
+    /// The surface of this flesh; `parts` gives the part of each collision vertex, and is empty
+    /// when the body is one.
     pub fn new(flesh: &'a Flesh, parts: Vec<u8>) -> Self {
         let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
         flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
         Self { flesh, parts, rest }
     }
 
-    /// The place that is nearest to a point, among triangles with all corners in `part`. `along_M` is laid along the
-    /// surface as the first shear axis. `None` when the part has no triangle.
+    /// The place that is nearest to a point, among triangles with all corners in `part`. `along_M`
+    /// is laid along the surface as the first shear axis. `None` when the part has no triangle.
     pub fn nearest(&self, part: u8, point_M: &Vec3, along_M: &Vec3) -> Option<TaxelPlace> {
         let is_in = |v: u32| self.parts.get(v as usize).copied().unwrap_or(0) == part;
         let own = self.flesh.collision.triangles.iter().filter(|t| t.iter().all(|v| is_in(*v)));
@@ -47,7 +49,8 @@ impl<'a> TaxelSkin<'a> {
         })
     }
 
-    /// How far it is from a point to the surface in a direction, in lengths of that; `None` where it is not met.
+    /// How far it is from a point to the surface in a direction, in lengths of that; `None` where
+    /// it is not met.
     pub fn way(&self, from_M: &Vec3, direction_M: &Vec3) -> Option<f64> {
         let triangles = self.flesh.collision.triangles.iter();
         let ways = triangles.filter_map(|t| cut_by_ray(from_M, direction_M, &self.corners(t)));
@@ -88,7 +91,8 @@ impl TaxelPlace {
     }
 }
 
-/// A direction in a triangle's plane as a combination of its edges from corner 0; the first edge where it has none.
+/// A direction in a triangle's plane as a combination of its edges from corner 0; the first edge
+/// where it has none.
 fn combination(corners: &[Vec3; 3], direction: &Vec3) -> [f64; 2] {
     let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
     let (ee, ef, ff) = (e.norm_squared(), e.dot(&f), f.norm_squared());

@@ -1,16 +1,17 @@
-//! Shares of a contact: the nearest taxels get some that sum to one and are continuous in the contact's place.
+//! Shares of a contact: the nearest taxels get some that sum to one and are continuous in the
+//! contact's place.
 //!
 //! With the distances d₀ ≤ d₁ ≤ … and R that of the first taxel which gets nothing, the weights are
-//! `((R - d) / (R d))²` (Franke and Little's form of Shepard's interpolation), divided by their sum. A taxel
-//! that comes to be among the nearest, or leaves them, has weight zero then.
+//! `((R - d) / (R d))²` (Franke and Little's form of Shepard's interpolation), divided by their
+//! sum. A taxel that comes to be among the nearest, or leaves them, has weight zero then.
 
 use crate::math::Vec3;
 
 /// Most taxels that share one contact.
 pub const SHARED: usize = 4;
 
-/// Shares a contact at `place` among `taxels`; returns how many entries of `out` hold a taxel and its share. `None`
-/// when there is no taxel within `reach`.
+/// Shares a contact at `place` among `taxels`; returns how many entries of `out` hold a taxel and
+/// its share. `None` when there is no taxel within `reach`.
 pub fn share(
     place: &Vec3,
     taxels: &[(u32, Vec3)],
@@ -26,7 +27,8 @@ pub fn share(
         return None;
     }
     let count = taxels.len().min(SHARED);
-    // Divided by d₀, so that nothing overflows where a taxel is met; of two at one place the first has all.
+    // Divided by d₀, so that nothing overflows where a taxel is met; of two at one place the first
+    // has all.
     let weight = |k: usize, d: f64| match (k, d > 0.0) {
         (0, false) => 1.0,
         (_, false) => 0.0,
@@ -45,7 +47,8 @@ pub fn share(
     Some(count)
 }
 
-/// Keeps a list of the nearest sorted; of two at the same distance the one that came first stays ahead.
+/// Keeps a list of the nearest sorted; of two at the same distance the one that came first stays
+/// ahead.
 fn insert(nearest: &mut [(u32, f64)], new: (u32, f64)) {
     let Some(at) = nearest.iter().position(|known| new.1 < known.1) else { return };
     nearest[at..].rotate_right(1);

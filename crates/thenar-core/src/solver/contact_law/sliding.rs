@@ -1,18 +1,19 @@
 //! The impulse of one contact that slides.
 //!
-//! Friction is on the rim, `λ_t = μ λ_n e` with a unit vector e, and the contact stays closed: with w the
-//! response of the tangents to the normal impulse and T their own,
+//! Friction is on the rim, `λ_t = μ λ_n e` with a unit vector e, and the contact stays closed: with
+//! w the response of the tangents to the normal impulse and T their own,
 //!
 //! ```text
 //!   d_n = b_n + λ_n δ = 0,   δ = W_nn + μ w·e > 0
 //!   d_t = b_t + λ_n (w + μ T e) = -s e,   s ≥ 0
 //! ```
 //!
-//! so that `v = δ d_t = δ b_t - b_n (w + μ T e)` must be opposite to e. What of it is across e is a trigonometric
-//! polynomial of degree two in the angle of e, equivalent to the quartic of Bonnefon and Daviet, *Quartic
-//! formulation of Coulomb 3D frictional contact* (2011). For a positive definite response it has a root that obeys
-//! the law wherever the contact neither opens nor sticks. On a long lever there may be others: Newton's method
-//! from where friction points already finds one near it, or else the nearest is taken.
+//! so that `v = δ d_t = δ b_t - b_n (w + μ T e)` must be opposite to e. What of it is across e is a
+//! trigonometric polynomial of degree two in the angle of e, equivalent to the quartic of Bonnefon
+//! and Daviet, *Quartic formulation of Coulomb 3D frictional contact* (2011). For a positive
+//! definite response it has a root that obeys the law wherever the contact neither opens nor
+//! sticks. On a long lever there may be others: Newton's method from where friction points already
+//! finds one near it, or else the nearest is taken.
 
 use crate::math::Mat3;
 
@@ -20,10 +21,11 @@ use crate::math::Mat3;
 const STEPS: usize = 8;
 /// A step as small as this [rad] has arrived.
 const ARRIVED: f64 = 1e-13;
-/// A response along the normal below this part of the frictionless one is none: the impulse would run away.
+/// A response along the normal below this part of the frictionless one is none: the impulse would
+/// run away.
 const DENOMINATOR_LEAST: f64 = 1e-6;
-/// Each half of the circle is searched a little beyond its ends, where round-off may give the same value either
-/// sign.
+/// Each half of the circle is searched a little beyond its ends, where round-off may give the same
+/// value either sign.
 const END: f64 = 1.0 + 1e-6;
 /// Bisections that find a root to the last bit of a number.
 const BISECTIONS: usize = 52;
@@ -62,7 +64,8 @@ impl Sliding {
         }
     }
 
-    /// The impulse (normal, two tangents), near friction along `start`; `None` where round-off hides it.
+    /// The impulse (normal, two tangents), near friction along `start`; `None` where round-off
+    /// hides it.
     pub fn impulse(&self, start: [f64; 2]) -> Option<[f64; 3]> {
         // Without a start as if friction did not change the normal impulse.
         let start = unit(start).or_else(|| unit([self.single[1], -self.single[0]]))?;
@@ -85,7 +88,8 @@ impl Sliding {
         self.normal + self.friction * (self.w[0] * e[0] + self.w[1] * e[1])
     }
 
-    /// True when a root obeys the law: the impulse pushes, and friction along e opposes what slides.
+    /// True when a root obeys the law: the impulse pushes, and friction along e opposes what
+    /// slides.
     fn obeys(&self, e: [f64; 2]) -> bool {
         let delta = self.denominator(e);
         let [t11, t12, t22] = self.tangents;
@@ -112,8 +116,9 @@ impl Sliding {
         None
     }
 
-    /// The root that obeys the law nearest to a direction. With the tangent u of half the angle, what of v is
-    /// across e is a quartic over (1 + u²)²; u from -1 to 1 is half the circle, and turned by π the other half.
+    /// The root that obeys the law nearest to a direction. With the tangent u of half the angle,
+    /// what of v is across e is a quartic over (1 + u²)²; u from -1 to 1 is half the circle, and
+    /// turned by π the other half.
     fn search(&self, start: [f64; 2]) -> Option<[f64; 2]> {
         let mut best: Option<(f64, [f64; 2])> = None;
         for side in [1.0, -1.0] {
@@ -133,9 +138,9 @@ impl Sliding {
     }
 }
 
-/// The roots of a quartic `Σ c_k u^k` at which it changes its sign between -[`END`] and [`END`], and how many. Between
-/// neighbouring roots of its derivative a polynomial has one at most, so roots are found from the last
-/// derivative up.
+/// The roots of a quartic `Σ c_k u^k` at which it changes its sign between -[`END`] and [`END`],
+/// and how many. Between neighbouring roots of its derivative a polynomial has one at most, so
+/// roots are found from the last derivative up.
 fn roots(c: &[f64; 5]) -> ([f64; 4], usize) {
     let (mut found, mut count) = ([0.0; 4], 0);
     for degree in 1..=4 {

@@ -95,9 +95,9 @@ fn the_disc_minimum_is_least() {
     }
 }
 
-/// A hinged body answers a pull along one direction only. Whatever little slides across it, from nothing to round-off
-/// to much, friction stays in its disc, and no other point of the disc has less energy, but for what round-off of the
-/// response makes.
+/// A hinged body answers a pull along one direction only. Whatever little slides across it, from
+/// nothing to round-off to much, friction stays in its disc, and no other point of the disc has
+/// less energy, but for what round-off of the response makes.
 #[test]
 fn what_moves_along_one_line_keeps_friction_in_the_disc() {
     let mut random = Random::new(37);
@@ -129,7 +129,8 @@ fn what_moves_along_one_line_keeps_friction_in_the_disc() {
     assert!(stick > 2000 && slide > 5000, "{stick} {slide}");
 }
 
-/// The response of a point of a free rigid body of 1 kg, far out: half the radii of gyration are short.
+/// The response of a point of a free rigid body of 1 kg, far out: half the radii of gyration are
+/// short.
 fn lever(random: &mut Random) -> Mat3 {
     let turn = *random.rotation(3.1).to_rotation_matrix().matrix();
     let gyration = Vec3::new(random.range(0.05, 1.0), random.range(0.05, 1.0), 1.0);
@@ -139,8 +140,8 @@ fn lever(random: &mut Random) -> Mat3 {
         + arm.transpose() * turn * Mat3::from_diagonal(&inertia) * turn.transpose() * arm
 }
 
-/// One visit gives what the law asks for on a body of any shape: the quartic in the direction of sliding has
-/// a root that does (an impulse exists for every response that is positive definite).
+/// One visit gives what the law asks for on a body of any shape: the quartic in the direction of
+/// sliding has a root that does (an impulse exists for every response that is positive definite).
 #[test]
 fn one_visit_obeys_the_law_on_any_lever() {
     let mut random = Random::new(23);
@@ -174,8 +175,9 @@ fn one_visit_obeys_the_law_on_any_lever() {
     assert!(stuck > 1000 && slid > 5000, "{stuck} stuck, {slid} slid");
 }
 
-/// A hinged body answers in one direction or two; rounded to single precision its response has an inverse, which
-/// says nothing. Its impulse stays what the old one and the frictionless one are: nothing runs away.
+/// A hinged body answers in one direction or two; rounded to single precision its response has an
+/// inverse, which says nothing. Its impulse stays what the old one and the frictionless one are:
+/// nothing runs away.
 #[test]
 fn round_off_makes_no_response_definite() {
     let mut random = Random::new(29);
@@ -194,8 +196,9 @@ fn round_off_makes_no_response_definite() {
     }
 }
 
-/// A visit leaves the impulse that is there, of several that obey the law, and so does what follows: visits that
-/// always took the one that sticks went from it to sliding and back where something else, a limit, gave way.
+/// A visit leaves the impulse that is there, of several that obey the law, and so does what
+/// follows: visits that always took the one that sticks went from it to sliding and back where
+/// something else, a limit, gave way.
 #[test]
 fn what_obeys_the_law_is_left_as_it_is() {
     let mut random = Random::new(29);
@@ -248,8 +251,8 @@ fn only_long_levers_have_several_impulses() {
     assert!(single > 1000 && several > 5, "{single} single, {several} several");
 }
 
-/// An impulse that obeys the law does not stray, and a velocity off by e makes it stray by no more than the parts of e; where
-/// it strays little, a visit changes little.
+/// An impulse that obeys the law does not stray, and a velocity off by e makes it stray by no more
+/// than the parts of e; where it strays little, a visit changes little.
 #[test]
 fn what_obeys_the_law_does_not_stray() {
     let mut random = Random::new(9);
@@ -277,7 +280,8 @@ fn what_obeys_the_law_does_not_stray() {
     assert!(pressing > 100 && sliding > 30, "{pressing} press, {sliding} slide");
 }
 
-/// What no friction holds bears none, a limit and a contact push only, and what is not a number is not lawful.
+/// What no friction holds bears none, a limit and a contact push only, and what is not a number is
+/// not lawful.
 #[test]
 fn impulses_that_no_velocity_goes_with_stray() {
     let mut rows = crate::solver::ContactRows::with_capacity(0, 1);

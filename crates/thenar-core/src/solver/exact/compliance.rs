@@ -16,7 +16,8 @@ pub struct Compliance {
 impl Compliance {
     /// Room for `batches` batches of rows and columns.
     pub fn new(batches: usize) -> Self {
-        // An odd number of cache lines: numbers below each other do not fall into the same few sets.
+        // An odd number of cache lines: numbers below each other do not fall into the same few
+        // sets.
         let stride = (batches | 1) * LANES;
         Self { numbers: Aligned::new(stride * batches * LANES), stride }
     }
@@ -79,7 +80,8 @@ impl Compliance {
         }
     }
 
-    /// `to += W δ` for an impulse δ at contact m; `to` has the length that counts, in whole batches.
+    /// `to += W δ` for an impulse δ at contact m; `to` has the length that counts, in whole
+    /// batches.
     #[inline(always)]
     pub fn add_answer<S: Simd>(&self, simd: S, m: usize, delta: &Vec3, to: &mut [f64]) {
         let row = |a: usize| {
@@ -87,7 +89,8 @@ impl Compliance {
             self.numbers[at..at + to.len()].as_chunks::<LANES>().0
         };
         let (rows, to) = ([row(0), row(1), row(2)], to.as_chunks_mut::<LANES>().0);
-        // Indexed on purpose: zipped iterators are not inlined here, and run without vector instructions.
+        // Indexed on purpose: zipped iterators are not inlined here, and run without vector
+        // instructions.
         for i in 0..to.len() {
             let (low, high) = to[i].split_at_mut(LANES / 2);
             let mut sums = [f64x8::from_slice(simd, low), f64x8::from_slice(simd, high)];

@@ -1,8 +1,9 @@
-//! Flesh as bones feel it: `Jᵀ B J` between the motions of bones, and the rows of `B J` it comes from.
+//! Flesh as bones feel it: `Jᵀ B J` between the motions of bones, and the rows of `B J` it comes
+//! from.
 //!
 //! J has a 3×6 block for each bone that carries a node. For each node the product with its row of B
-//! is formed bone by bone (a *slot*), and a slot then adds `J_ni` times it to the block (i, j) of the
-//! bones. Only i ≥ j is kept.
+//! is formed bone by bone (a *slot*), and a slot then adds `J_ni` times it to the block (i, j) of
+//! the bones. Only i ≥ j is kept.
 
 use crate::solver::BlockMatrix;
 use crate::solver::exact::{CarriedNode, Reduction, System};

@@ -13,8 +13,8 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x4, f32x8, f32x16};
 /// Columns treated together; widths are multiples of 3.
 pub const COLUMNS: usize = 6;
 
-/// True where one register holds a line of [`LANES`] numbers. Where a line takes several, the sums of two lines of six columns
-/// would not stay in registers.
+/// True where one register holds a line of [`LANES`] numbers. Where a line takes several, the sums
+/// of two lines of six columns would not stay in registers.
 #[inline(always)]
 pub const fn has_wide_registers<S: Simd>() -> bool {
     S::f32s::LEN >= LANES
@@ -58,7 +58,8 @@ pub const fn stride(height: usize) -> usize {
     height.div_ceil(LANES) * LANES
 }
 
-/// `Σ_k L[row.., k] L[column + c, k]` over all columns k of `panel`: T registers of rows, N columns.
+/// `Σ_k L[row.., k] L[column + c, k]` over all columns k of `panel`: T registers of rows, N
+/// columns.
 #[inline(always)]
 fn products<S: Simd, const T: usize, const N: usize>(
     simd: S,
@@ -238,8 +239,8 @@ fn product_columns<S: Simd, const N: usize>(
     }
 }
 
-/// `to -= from`, as many numbers as `from` has. Nothing beyond them is written: a load that overlaps a recent store only in
-/// part has to wait until that store reaches the cache.
+/// `to -= from`, as many numbers as `from` has. Nothing beyond them is written: a load that
+/// overlaps a recent store only in part has to wait until that store reaches the cache.
 #[inline(always)]
 pub fn take_off<S: Simd>(simd: S, from: &[Scalar], to: &mut [Scalar]) {
     let to = &mut to[..from.len()];

@@ -173,8 +173,8 @@ impl Factor {
         });
     }
 
-    /// `x = L⁻¹ x` for many right-hand sides, in elimination order; `reached` tells which supernodes
-    /// hold any, and then which the results do.
+    /// `x = L⁻¹ x` for many right-hand sides, in elimination order; `reached` tells which
+    /// supernodes hold any, and then which the results do.
     pub fn forward_many(&self, x: &mut [Lanes], reached: &mut [bool]) {
         let Self { symbolic, level, panels, .. } = self;
         dispatch!(*level, simd => for (s, node) in symbolic.supernodes.iter().enumerate() {
@@ -198,8 +198,8 @@ mod tests {
     use crate::solver::exact::half_solves::{HalfSolves, add_common_product};
     use crate::testing::Random;
 
-    /// Blocks of nodes on a lattice, two of them side by side without touching: the solution must be
-    /// the one the right-hand side was made from.
+    /// Blocks of nodes on a lattice, two of them side by side without touching: the solution must
+    /// be the one the right-hand side was made from.
     #[test]
     fn solves_what_it_factored() {
         for cells in [[1, 1, 1], [2, 2, 2], [7, 3, 2], [12, 2, 2]] {
@@ -222,7 +222,8 @@ mod tests {
             let numbers = pairs.iter().map(|&(a, b)| (a as u32, b as u32));
             let mut A = BlockMatrix::with_pattern(n, numbers);
             for &(a, b) in &pairs {
-                // Blocks between two nodes that are not symmetric: read transposed they would be others.
+                // Blocks between two nodes that are not symmetric: read transposed they would be
+                // others.
                 let ends = [(a, random.vec3(1.0)), (b, -random.vec3(1.0))];
                 for ((i, u), (j, v)) in ends.iter().flat_map(|e| ends.iter().map(move |f| (e, f))) {
                     A.add(A.entry(*i as u32, *j as u32), &(u * v.transpose()));

@@ -10,8 +10,8 @@ use crate::solver::{Failure, JointBlock};
 const REVISIONS_MAX: u32 = 6;
 /// Fewest iterations with the block diagonal.
 pub(super) const WINDOW: u32 = 4;
-/// Speed, in tolerances, up to which a world is taken to rest. Where that is wrong some iterations are lost, not the
-/// result.
+/// Speed, in tolerances, up to which a world is taken to rest. Where that is wrong some iterations
+/// are lost, not the result.
 const AT_REST: f64 = 100.0;
 
 /// How the step before ended.
@@ -26,7 +26,8 @@ pub enum LastContact {
 }
 
 impl LastContact {
-    /// From the velocities that the step ended with. The law of the linearised cone is not looked at (`strays`).
+    /// From the velocities that the step ended with. The law of the linearised cone is not looked
+    /// at (`strays`).
     pub fn of(touched: bool, v: &[Vec3], bodies: usize, settings: &SolverSettings) -> Self {
         let rests = || pcg::largest_speed(v, bodies) <= AT_REST * settings.velocity_tolerance;
         match touched {
@@ -38,8 +39,9 @@ impl LastContact {
 }
 
 impl Exact {
-    /// Velocities without contact, from those in `v` as a start. Bounds are kept, unless there was contact: they are left to
-    /// it then, and where it will need the factor, that preconditions this solve too.
+    /// Velocities without contact, from those in `v` as a start. Bounds are kept, unless there was
+    /// contact: they are left to it then, and where it will need the factor, that preconditions
+    /// this solve too.
     ///
     /// # Errors
     /// The system cannot be solved, or not to this accuracy.
@@ -130,7 +132,8 @@ impl Exact {
         pcg::largest_speed(&work.v, bodies.bodies())
     }
 
-    /// With the block diagonal, as long as it promises to cost less than the factor, and with the right bounds held.
+    /// With the block diagonal, as long as it promises to cost less than the factor, and with the
+    /// right bounds held.
     fn iterate_within_bounds(
         &mut self,
         step: &StepSystem<'_>,
@@ -195,7 +198,8 @@ impl Exact {
         solved
     }
 
-    /// With the block diagonal and no bounds; where it `gives_up`, as long as it promises to cost less than the factor.
+    /// With the block diagonal and no bounds; where it `gives_up`, as long as it promises to cost
+    /// less than the factor.
     fn iterate_on(
         &mut self,
         step: &StepSystem<'_>,

@@ -1,8 +1,8 @@
 //! Many columns of `Y = L⁻¹ R`, half solved, and their products `Yᵀ Y`.
 //!
-//! HalfSolves are kept in batches of `LANES`: one register per unknown. A right-hand side fills only
-//! the supernodes from its nodes up to the root of the elimination tree; the others stay zero, are
-//! never touched, and take no part in products.
+//! HalfSolves are kept in batches of `LANES`: one register per unknown. A right-hand side fills
+//! only the supernodes from its nodes up to the root of the elimination tree; the others stay zero,
+//! are never touched, and take no part in products.
 
 use crate::solver::exact::aligned::Aligned;
 use crate::solver::exact::dense::{has_wide_registers, load_lines};
@@ -86,7 +86,8 @@ pub fn add_product<S: Simd>(simd: S, a: &[Lanes], b: &[Lanes], to: &mut [Lanes; 
     if has_wide_registers::<S>() {
         add_columns::<S, 16>(simd, a, b, 0, to);
     } else {
-        // A closure in an iterator of the standard library would be compiled without the vector instructions.
+        // A closure in an iterator of the standard library would be compiled without the vector
+        // instructions.
         for first in (0..LANES).step_by(4) {
             add_columns::<S, 4>(simd, a, b, first, to);
         }

@@ -1,16 +1,16 @@
 //! Joint limits in the solve without contact: bounds that bear load are held, `A u = t`.
 //!
-//! A bound is a row on how two bodies turn against each other, so it involves u alone, and holding it
-//! needs no compliance of the flesh: conjugate gradients stay in the space of motions that keep it
-//! (the projected method of Gould, Hribar and Nocedal 2001). With M the bodies' block of the
+//! A bound is a row on how two bodies turn against each other, so it involves u alone, and holding
+//! it needs no compliance of the flesh: conjugate gradients stay in the space of motions that keep
+//! it (the projected method of Gould, Hribar and Nocedal 2001). With M the bodies' block of the
 //! preconditioner,
 //!
 //! ```text
 //!   H = M⁻¹ Aᵀ,   G = A H,   z_u = (1 - H G⁻¹ A) M⁻¹ r_u,   λ = -G⁻¹ Hᵀ r_u  at the end
 //! ```
 //!
-//! Which bounds are held is guessed from the step before; those that pull are let go, those that would
-//! be passed are added, until `0 ≤ λ ⊥ J v - wanted ≥ 0` for all of them (an active set).
+//! Which bounds are held is guessed from the step before; those that pull are let go, those that
+//! would be passed are added, until `0 ≤ λ ⊥ J v - wanted ≥ 0` for all of them (an active set).
 
 use crate::math::Vec3;
 use crate::room::Room;
@@ -85,8 +85,8 @@ impl HeldBounds {
         self.bounds.iter_mut().for_each(|bound| bound.impulse = 0.0);
     }
 
-    /// Prepares for the present members and brings x onto their bounds. False, and none is held, when
-    /// they depend on each other.
+    /// Prepares for the present members and brings x onto their bounds. False, and none is held,
+    /// when they depend on each other.
     pub fn hold(
         &mut self,
         system: &System<'_>,

@@ -1,9 +1,9 @@
 //! Elimination order of the flesh nodes: by minimum degree.
 //!
-//! Of the nodes that are left, that with the fewest neighbours is eliminated, whose neighbours then all meet. What
-//! they share is kept as an *element*, the list of nodes that met, not as edges between them (the quotient
-//! graph of George and Liu 1981), and degrees are the bound of Amestoy, Davis and Duff (1996), which
-//! counts a node twice where two older elements hold it.
+//! Of the nodes that are left, that with the fewest neighbours is eliminated, whose neighbours then
+//! all meet. What they share is kept as an *element*, the list of nodes that met, not as edges
+//! between them (the quotient graph of George and Liu 1981), and degrees are the bound of Amestoy,
+//! Davis and Duff (1996), which counts a node twice where two older elements hold it.
 
 use std::collections::BTreeSet;
 
@@ -52,7 +52,8 @@ struct Quotient {
 }
 
 impl Quotient {
-    /// Makes an element of the nodes that meet once `pivot` is gone; the elements that held them go with it.
+    /// Makes an element of the nodes that meet once `pivot` is gone; the elements that held them go
+    /// with it.
     fn eliminate(&mut self, pivot: u32) {
         let p = pivot as usize;
         let elements = std::mem::take(&mut self.elements_of[p]);
@@ -78,8 +79,8 @@ impl Quotient {
         self.count_outside(pivot);
     }
 
-    /// Counts, for each element that shares a node with that of `pivot`, its nodes that do not; elements with none
-    /// add nothing to the newest one and go.
+    /// Counts, for each element that shares a node with that of `pivot`, its nodes that do not;
+    /// elements with none add nothing to the newest one and go.
     fn count_outside(&mut self, pivot: u32) {
         let met = std::mem::take(&mut self.met[pivot as usize]);
         let mut older: Vec<u32> = Vec::new();

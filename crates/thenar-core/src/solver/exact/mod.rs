@@ -1,4 +1,5 @@
-//! The exact solver: Eq. 9 with its joint rows, to a velocity tolerance, contact in the same system.
+//! The exact solver: Eq. 9 with its joint rows, to a velocity tolerance, contact in the same
+//! system.
 //!
 //! Joints are in minimal coordinates, `v_s = Z u + z` (`reduction`), flesh is relative to its
 //! skinned motion, `v_f = J v_s + w` (`relative`). The system
@@ -9,13 +10,13 @@
 //! ```
 //!
 //! is symmetric positive definite, and the stiff coupling springs G act on w alone. Without contact
-//! it is solved by conjugate gradients (`pcg`) with the block diagonal (`jacobi`), which keep to the
-//! joint limits that bear load (`held`); with contact that does not rest the flesh is factored (`factor`, `direct`),
-//! which gives the compliance of the whole system at the contacts that press (`joining`, `delassus`)
-//! and preconditions the solve for what their impulses do.
+//! it is solved by conjugate gradients (`pcg`) with the block diagonal (`jacobi`), which keep to
+//! the joint limits that bear load (`held`); with contact that does not rest the flesh is factored
+//! (`factor`, `direct`), which gives the compliance of the whole system at the contacts that press
+//! (`joining`, `delassus`) and preconditions the solve for what their impulses do.
 //!
-//! Nothing is allocated once built. Joints form trees; those left over because they close loops take
-//! directions out of u (`loops`).
+//! Nothing is allocated once built. Joints form trees; those left over because they close loops
+//! take directions out of u (`loops`).
 
 mod aligned;
 mod coarse;
@@ -113,9 +114,11 @@ pub struct Exact {
     ready: Ready,
     /// The contacts of this step kept their impulses, and nothing knows their compliance.
     kept: bool,
-    /// The largest part of an error's energy that an iteration with the factor of this step has left.
+    /// The largest part of an error's energy that an iteration with the factor of this step has
+    /// left.
     left: Option<f64>,
-    /// True when springs bind all flesh to bones, so that few iterations of the block diagonal are enough.
+    /// True when springs bind all flesh to bones, so that few iterations of the block diagonal are
+    /// enough.
     all_is_bound: bool,
     /// Number of iterations of the block diagonal that cost what the factor does.
     iterations_worth_a_factor: u32,
@@ -223,7 +226,8 @@ impl Exact {
         }
     }
 
-    /// Starts a step that may spend this many multiply-adds on the law of contact; no bound when `None`.
+    /// Starts a step that may spend this many multiply-adds on the law of contact; no bound when
+    /// `None`.
     pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
         self.delassus.allow(contact_work_max);
     }
@@ -255,9 +259,9 @@ impl Exact {
         &self.held.bounds
     }
 
-    /// The motion over 1 s after which all joints are closed, by the freedoms that the tree of joints
-    /// leaves; `still` has the velocities, zero, of bodies that do not move by themselves. `None` where a
-    /// joint's rows are dependent.
+    /// The motion over 1 s after which all joints are closed, by the freedoms that the tree of
+    /// joints leaves; `still` has the velocities, zero, of bodies that do not move by themselves.
+    /// `None` where a joint's rows are dependent.
     pub fn closing_motion(
         &mut self,
         A: &BlockMatrix,
@@ -270,11 +274,11 @@ impl Exact {
         closed.then_some(&self.bodies)
     }
 
-    /// Shortens the velocities of each island so that they take no more energy than forces and motion put
-    /// in. With `v = T x + v̄` the solution without contact minimises `½ xᵀ K x - xᵀ g`; of all
-    /// velocities `s x`, `0 ≤ s ≤ 1`, that with the least is taken. Then `xᵀ K x ≤ xᵀ g`, which is
-    /// the balance of energy of a backward Euler step: contacts and errors can take energy out,
-    /// not bring it in.
+    /// Shortens the velocities of each island so that they take no more energy than forces and
+    /// motion put in. With `v = T x + v̄` the solution without contact minimises `½ xᵀ K x - xᵀ g`;
+    /// of all velocities `s x`, `0 ≤ s ≤ 1`, that with the least is taken. Then `xᵀ K x ≤ xᵀ g`,
+    /// which is the balance of energy of a backward Euler step: contacts and errors can take energy
+    /// out, not bring it in.
     pub fn calm(&mut self, step: &StepSystem<'_>, islands: &mut Islands, v: &mut [Vec3]) {
         debug_assert_eq!(v.len(), step.A.rows(), "velocities, block rows");
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;

@@ -23,18 +23,20 @@ const SAFETY: f64 = 2.0;
 const WINDOW: usize = 4;
 /// Decreases are not trusted to shrink slower than this.
 const RATE_MAX: f64 = 0.95;
-/// Nor faster: a first decrease is mostly that of the stiffest motions, and says little of free ones.
+/// Nor faster: a first decrease is mostly that of the stiffest motions, and says little of free
+/// ones.
 const RATE_MIN: f64 = 1e-9;
 /// Round-off: part of the largest speed beyond which no accuracy is asked for.
 const ROUND_OFF: f64 = 1e-13;
 /// An iteration is trusted to leave at most this many times the energy that others did.
 const LEFT_SAFETY: f64 = 100.0;
-/// From this share of its iterations on, a solve that may give up looks at what is left. Errors rise at first.
+/// From this share of its iterations on, a solve that may give up looks at what is left. Errors
+/// rise at first.
 const LOOKS_FROM: f64 = 0.4;
-/// Gives up where more than this many times the share of its iterations is left of the way, in decades of the error.
-/// In eight runs of the default and the paper's hand, free, in a fist and a pinch, at 5 to 20 ms, 57 of 1448 solves
-/// that would have met the tolerance in time are given up, and 1335 that would not have take half of their
-/// iterations.
+/// Gives up where more than this many times the share of its iterations is left of the way, in
+/// decades of the error. In eight runs of the default and the paper's hand, free, in a fist and a
+/// pinch, at 5 to 20 ms, 57 of 1448 solves that would have met the tolerance in time are given up,
+/// and 1335 that would not have take half of their iterations.
 const WAY_LEFT: f64 = 1.2;
 /// Iterations without a new least residual after which there is nothing more to gain.
 const PATIENCE: u32 = 30;
@@ -98,12 +100,14 @@ pub struct Stop {
     /// What iterations with this preconditioner have left of an error's energy: where that is so
     /// little that it meets the tolerance, the preconditioner is not asked again.
     pub left: Option<f64>,
-    /// Ends as soon as the most iterations will probably not be enough, where something else is at hand.
+    /// Ends as soon as the most iterations will probably not be enough, where something else is at
+    /// hand.
     pub gives_up: bool,
 }
 
 impl Stop {
-    /// True when an error that has come down from its largest to this will probably not meet the tolerance in time.
+    /// True when an error that has come down from its largest to this will probably not meet the
+    /// tolerance in time.
     fn is_hopeless(&self, iterations: u32, largest: f64, error: f64) -> bool {
         let done = f64::from(iterations) / f64::from(self.iterations_max);
         let way = |from: f64| (from / self.tolerance).ln();
@@ -144,8 +148,8 @@ pub fn solve(
             solved.converged = solved.iterations > 0 && solved.error <= stop.tolerance;
             return solved;
         }
-        // Not r·z: where directions are used up p is left with round-off, of which r·z knows nothing,
-        // and the step would be anything.
+        // Not r·z: where directions are used up p is left with round-off, of which r·z knows
+        // nothing, and the step would be anything.
         let alpha = slope / along;
         let drop = alpha * slope;
         let moved = alpha.abs() * largest_speed(v, system.bodies.bodies());
@@ -231,8 +235,8 @@ mod tests {
         }
     }
 
-    /// Iterations after which a solve is given up whose error falls from 10⁻² by `decades` decades in each, after a
-    /// tenth of the iterations in which it does not.
+    /// Iterations after which a solve is given up whose error falls from 10⁻² by `decades` decades
+    /// in each, after a tenth of the iterations in which it does not.
     fn given_up(stop: &Stop, decades: f64) -> Option<u32> {
         let rises = stop.iterations_max / 10;
         (1..=stop.iterations_max).find(|&k| {

@@ -18,8 +18,8 @@ use crate::solver::exact::{Accuracy, Coordinates, Exact, StepSystem, pcg, small_
 use crate::solver::{ContactRows, JointBlock};
 use std::ops::Range;
 
-/// Where the answers go; row-major, n bodies of six directions (linear, then angular, world), m rows
-/// of contacts.
+/// Where the answers go; row-major, n bodies of six directions (linear, then angular, world), m
+/// rows of contacts.
 #[derive(Debug)]
 pub struct Answer<'a> {
     /// 6n × 6n.

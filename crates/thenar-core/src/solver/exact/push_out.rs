@@ -10,9 +10,9 @@ use crate::solver::{ContactRows, Failure, Wish};
 const ROUNDS_MAX: u32 = 6;
 
 impl Exact {
-    /// Finds the pseudo-velocity that these wishes ask for, after [`Exact::respond`] of the same step; the
-    /// rows are left as they are. What does not converge is taken as it is: the next step goes on with
-    /// what is left of the overlap.
+    /// Finds the pseudo-velocity that these wishes ask for, after [`Exact::respond`] of the same
+    /// step; the rows are left as they are. What does not converge is taken as it is: the next step
+    /// goes on with what is left of the overlap.
     ///
     /// # Errors
     /// The flesh cannot be factored.

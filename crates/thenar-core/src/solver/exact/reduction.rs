@@ -8,10 +8,10 @@
 //!   σ (v_a - v_b) + F_a ω_a + F_b ω_b = c_p
 //! ```
 //!
-//! with c = -C/Δt, so that position errors of the start are removed within the step exactly as the joint
-//! rows of Eq. 9 ask. Joint rows then hold to round-off whatever the accuracy of u; positions follow in the
-//! same coordinates (`world::kinematic_advance`). Joints that close loops are left out of this and dealt
-//! with in `loops`.
+//! with c = -C/Δt, so that position errors of the start are removed within the step exactly as the
+//! joint rows of Eq. 9 ask. Joint rows then hold to round-off whatever the accuracy of u; positions
+//! follow in the same coordinates (`world::kinematic_advance`). Joints that close loops are left
+//! out of this and dealt with in `loops`.
 
 use crate::math::{Mat3, Vec3, Vec6, tangents};
 use crate::solver::exact::loops::{Columns, Cut, Loops};
@@ -224,8 +224,8 @@ impl Reduction {
         }
     }
 
-    /// Fills Z and z for the joints as they are; A is Eq. 9's matrix. `v` gives the velocities of the bodies that do not
-    /// move by themselves. False when a joint's rows are dependent.
+    /// Fills Z and z for the joints as they are; A is Eq. 9's matrix. `v` gives the velocities of
+    /// the bodies that do not move by themselves. False when a joint's rows are dependent.
     pub fn refresh(&mut self, A: &BlockMatrix, joints: &[JointBlock], v: &[Vec3], h: f64) -> bool {
         for (b, offset) in self.offsets.iter_mut().enumerate() {
             let known = self.group_of_body[b].is_none();

@@ -10,23 +10,24 @@ use crate::solver::exact::{
 };
 use crate::solver::{ContactRow, ContactRows, Convergence, Failure};
 
-/// Sweeps go on to this part of the tolerance. Impulses that are within it stay as they are while the load changes, and
-/// are found anew once they are not: the force of a body that rests jumps then by up to what the tolerance makes of
-/// its weight, `10 µm/s / (g h)`, 0.1 % at 1 ms. A quarter of that is not seen, and takes 3 to 10 % more sweeps
-/// in grasps.
+/// Sweeps go on to this part of the tolerance. Impulses that are within it stay as they are while
+/// the load changes, and are found anew once they are not: the force of a body that rests jumps
+/// then by up to what the tolerance makes of its weight, `10 µm/s / (g h)`, 0.1 % at 1 ms. A
+/// quarter of that is not seen, and takes 3 to 10 % more sweeps in grasps.
 const SWEPT_TO: f64 = 0.25;
 /// The true velocities are found to this part of the tolerance.
 const FOLLOWED_TO: f64 = 0.25;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
-/// Times, besides, that sweeps which ran out go on, from the true velocities and with a new history.
+/// Times, besides, that sweeps which ran out go on, from the true velocities and with a new
+/// history.
 pub(super) const RESUMED_MAX: u32 = 7;
 /// Times, besides, that contacts join which the ones before left to close.
 const JOINS_MAX: u32 = 32;
 
 impl Exact {
-    /// What contact adds to the velocities just found, left in `change`, and its impulses. Both start
-    /// from those of the step before: what `change` holds, and the impulses in `contacts`.
+    /// What contact adds to the velocities just found, left in `change`, and its impulses. Both
+    /// start from those of the step before: what `change` holds, and the impulses in `contacts`.
     ///
     /// # Errors
     /// The flesh cannot be factored, too many contacts press, or the velocities do not converge.
@@ -116,7 +117,8 @@ impl Exact {
         }
     }
 
-    /// The true change of velocities under the present impulses, `K Δ = Jᵀ λ`; returns what it may be off \[m/s\].
+    /// The true change of velocities under the present impulses, `K Δ = Jᵀ λ`; returns what it may
+    /// be off \[m/s\].
     pub(super) fn follow(
         &mut self,
         step: &StepSystem<'_>,
@@ -155,7 +157,8 @@ impl Exact {
         delassus.load_more(&system, contacts, work)
     }
 
-    /// With the block diagonal; where it `gives_up`, as long as it promises to cost less than the factor.
+    /// With the block diagonal; where it `gives_up`, as long as it promises to cost less than the
+    /// factor.
     fn follow_with_diagonal(
         &mut self,
         step: &StepSystem<'_>,
@@ -218,8 +221,8 @@ struct Rounds {
 }
 
 impl Rounds {
-    /// False when all is well, or rounds or the work for `more` run out. Contacts that are left to close join all the
-    /// same: an answer may be rough, but leaves none out.
+    /// False when all is well, or rounds or the work for `more` run out. Contacts that are left to
+    /// close join all the same: an answer may be rough, but leaves none out.
     fn go_on(
         &mut self,
         verdict: &Verdict,
@@ -255,8 +258,8 @@ fn rest(contacts: &mut ContactRows, change: &mut [Vec3]) -> Convergence {
     Convergence { iterations: 0, residual }
 }
 
-/// True when the velocities without contact obey this row: a gap stays open, a turn keeps within its
-/// bound up to the tolerance, or is held there by an impulse that pushes.
+/// True when the velocities without contact obey this row: a gap stays open, a turn keeps within
+/// its bound up to the tolerance, or is held there by an impulse that pushes.
 fn is_kept(row: &ContactRow, tolerance: f64) -> bool {
     if row.included == 0.0 {
         row.target.x <= if row.turns { tolerance } else { 0.0 }

@@ -99,8 +99,8 @@ pub fn sum<S: Simd>(x: &f32x16<S>) -> Scalar {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-/// Forward substitution for many right-hand sides: the pivots are the rows from `first` on of x, the
-/// rows below are those of the places `rows`.
+/// Forward substitution for many right-hand sides: the pivots are the rows from `first` on of x,
+/// the rows below are those of the places `rows`.
 #[inline(always)]
 pub fn forward_many<S: Simd>(
     simd: S,
@@ -130,7 +130,8 @@ pub fn forward_many<S: Simd>(
     }
     let panel = &panel[..width * stride];
     let (mut row, mut rest) = (width, rows);
-    // As many nodes at a time as keep the arithmetic units busy; AVX2 and NEON have registers for the sums of two.
+    // As many nodes at a time as keep the arithmetic units busy; AVX2 and NEON have registers for
+    // the sums of two.
     while has_wide_registers::<S>()
         && let Some((places, after)) = rest.split_at_checked(4)
     {
@@ -147,7 +148,8 @@ pub fn forward_many<S: Simd>(
     }
 }
 
-/// Takes from the rows of the nodes `places`, R in all, what the panel's rows from `row` on make of the pivots.
+/// Takes from the rows of the nodes `places`, R in all, what the panel's rows from `row` on make of
+/// the pivots.
 #[inline(always)]
 fn reduce_nodes<S: Simd, const R: usize>(
     simd: S,
@@ -180,7 +182,8 @@ fn reduce<S: Simd, const R: usize>(
     x: &[Lanes],
     mut values: [f32x16<S>; R],
 ) -> [f32x16<S>; R] {
-    // Not `zip`: where its calls are not inlined they lack the vector instructions, and `values` stays in memory for them.
+    // Not `zip`: where its calls are not inlined they lack the vector instructions, and `values`
+    // stays in memory for them.
     for k in 0..panel.len() / stride {
         let y = -f32x16::from_slice(simd, &x[k]);
         let l = &panel[k * stride + row..][..R];

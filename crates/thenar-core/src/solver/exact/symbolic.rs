@@ -13,8 +13,8 @@ use crate::solver::exact::minimum_degree::minimum_degree;
 use crate::solver::exact::ordering::nested_dissection;
 use std::ops::Range;
 
-/// Explicit zeros that a merged supernode may hold, in parts of it. A factorisation of the default hand takes the same time
-/// to a few parts in a hundred from half to twice of this and the next.
+/// Explicit zeros that a merged supernode may hold, in parts of it. A factorisation of the default
+/// hand takes the same time to a few parts in a hundred from half to twice of this and the next.
 const ZEROS_MAX: f64 = 0.2;
 /// Explicit zeros of a small one, which costs more to find than to compute.
 const ZEROS_OF_SMALL_MAX: f64 = 0.6;
@@ -144,9 +144,10 @@ pub struct Symbolic {
 }
 
 impl Symbolic {
-    /// Analyses the flesh part of `a`, whose rows begin at `row0`.
-    /// Only where bones carry flesh is another order than that of dissection looked for: in single precision the factor of a
-    /// slender bar that nothing binds (elastica, steps of 10 s) preconditions well in the order of dissection only.
+    /// Analyses the flesh part of `a`, whose rows begin at `row0`. Only where bones carry flesh is
+    /// another order than that of dissection looked for: in single precision the factor of a
+    /// slender bar that nothing binds (elastica, steps of 10 s) preconditions well in the order of
+    /// dissection only.
     pub fn new(a: &BlockMatrix, row0: usize, positions: &[Vec3], bound: bool) -> Self {
         let dissected = nested_dissection(a, row0, positions);
         let in_space = places(&dissected);
@@ -272,8 +273,9 @@ impl Symbolic {
     }
 }
 
-/// The order that needs the fewest operations: by dissection, which is better for large lattices, or by minimum
-/// degree, for slender and graded ones. The subtrees of each follow each other, the largest next to their parent.
+/// The order that needs the fewest operations: by dissection, which is better for large lattices,
+/// or by minimum degree, for slender and graded ones. The subtrees of each follow each other, the
+/// largest next to their parent.
 fn best_order(a: &BlockMatrix, row0: usize, dissected: Vec<u32>, bound: bool) -> Vec<u32> {
     if !bound {
         return dissected;
@@ -294,7 +296,8 @@ fn best_order(a: &BlockMatrix, row0: usize, dissected: Vec<u32>, bound: bool) ->
     postorder(&columns).into_iter().map(|place| order[place as usize]).collect()
 }
 
-/// Places in the elimination order such that each follows its children, the child with the longest column last.
+/// Places in the elimination order such that each follows its children, the child with the longest
+/// column last.
 fn postorder(columns: &[Vec<u32>]) -> Vec<u32> {
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); columns.len()];
     let mut roots = Vec::new();

@@ -1,4 +1,5 @@
-//! Cholesky factor of a dense block of hundreds of rows, in place and row by row, at the vector width of the machine.
+//! Cholesky factor of a dense block of hundreds of rows, in place and row by row, at the vector
+//! width of the machine.
 
 use crate::solver::exact::vectors::{add, dot};
 use fearless_simd::Simd;

@@ -56,7 +56,8 @@ fn flesh() -> Flesh {
     }
 }
 
-/// A cube and flesh that lie on a floor, and an arm that its weight holds at the limit of its hinge.
+/// A cube and flesh that lie on a floor, and an arm that its weight holds at the limit of its
+/// hinge.
 fn resting(kind: SolverKind, cone: Cone) -> World {
     let mut desc = WorldDesc { time_step: 2e-3, ..WorldDesc::default() };
     (desc.solver.kind, desc.solver.cone) = (kind, cone);
@@ -98,8 +99,9 @@ fn resting(kind: SolverKind, cone: Cone) -> World {
     world
 }
 
-/// Rotations in single precision, and others of any length but none, are brought to length one wherever a description has
-/// them: what touches then has unit normals, and the world steps as with the true ones.
+/// Rotations in single precision, and others of any length but none, are brought to length one
+/// wherever a description has them: what touches then has unit normals, and the world steps as with
+/// the true ones.
 #[test]
 fn rotations_of_another_length_are_brought_to_one() {
     let turn = Quat::from_axis_angle(&Vec3::y_axis(), 0.3);
@@ -177,7 +179,8 @@ fn a_world_at_rest_is_valid_by_every_solver_and_after_every_change() {
     }
 }
 
-/// Impulses that a step ten billion times as long would give are forgotten where no number holds them.
+/// Impulses that a step ten billion times as long would give are forgotten where no number holds
+/// them.
 #[test]
 fn what_another_time_step_makes_infinite_is_forgotten() {
     let mut world = resting(SolverKind::Exact, Cone::Circular);
@@ -376,7 +379,8 @@ fn what_is_wrong_with_contacts_and_limits_is_named() {
     assert!(said.ends_with("rigid body must be one of the world's, got 3"), "{said}");
 }
 
-/// Friction in the corner of the disc is allowed there, and beyond the square that is inscribed in it.
+/// Friction in the corner of the disc is allowed there, and beyond the square that is inscribed in
+/// it.
 #[test]
 fn the_square_is_asked_of_steps_with_the_linearised_cone() {
     let mut world = resting(SolverKind::Exact, Cone::Linearised);

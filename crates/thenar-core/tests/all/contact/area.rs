@@ -1,8 +1,8 @@
-//! Goal: the area of every contact is that of the patch in which surfaces touch. Method: a soft pad of
-//! fine triangles on a base, under shapes and another pad that a load presses down without tilting; the
-//! patch is the part of the deformed surface nearer than 20 µm to the other, by small pieces and formulas
-//! of distance of this test's own, or, between two pads, what the load asks for at the peak pressure where meshes do not resolve
-//! it; of these Hertz says how large it is.
+//! Goal: the area of every contact is that of the patch in which surfaces touch. Method: a soft pad
+//! of fine triangles on a base, under shapes and another pad that a load presses down without
+//! tilting; the patch is the part of the deformed surface nearer than 20 µm to the other, by small
+//! pieces and formulas of distance of this test's own, or, between two pads, what the load asks for
+//! at the peak pressure where meshes do not resolve it; of these Hertz says how large it is.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
@@ -24,8 +24,8 @@ const POINTS_MIN: usize = 20;
 const MASS: f64 = 0.05;
 const STEP: f64 = 5e-3;
 
-/// A pad as firm as a fingertip that is pressed, with triangles of so many millimetres: flat, or bulging
-/// towards its middle.
+/// A pad as firm as a fingertip that is pressed, with triangles of so many millimetres: flat, or
+/// bulging towards its middle.
 fn pad(triangle: f64, bulge: f64) -> Flesh {
     let cells = |length: f64| (length / triangle).round() as usize;
     let firm = Material { young: 3e5, ..FLESH };
@@ -119,15 +119,16 @@ impl Press {
         assert!(speed < 2e-3, "{load} N: still at {speed} m/s");
     }
 
-    /// The area of a pad where `distance` is below [`TOUCHING`], to pieces of the 2^`depth`th part of an edge.
+    /// The area of a pad where `distance` is below [`TOUCHING`], to pieces of the 2^`depth`th part
+    /// of an edge.
     fn area_near(&self, soft: u32, depth: u32, distance: impl Fn(&Vec3) -> f64) -> f64 {
         let x = self.world.collision_vertices(soft);
         let triangles = &self.world.desc().softs[soft as usize].flesh.collision.triangles;
         triangles.iter().map(|t| near(&t.map(|v| x[v as usize]), depth, &distance)).sum()
     }
 
-    /// The read-out's area against `patch`, where `of_point` is what a vertex of the surface stands for, and
-    /// pressure times area against the load.
+    /// The read-out's area against `patch`, where `of_point` is what a vertex of the surface stands
+    /// for, and pressure times area against the load.
     fn is_told(&self, scene: &str, load: f64, patch: f64, of_point: f64) {
         let mut readout = ContactReadout::new(&self.world);
         readout.read(&self.world);
@@ -153,7 +154,8 @@ impl Press {
 /// Signed distance to what presses, in its frame.
 type Distance = fn(&Vec3) -> f64;
 
-/// The shapes, how they are turned, how far their lowest point lies below the middle, and their distances.
+/// The shapes, how they are turned, how far their lowest point lies below the middle, and their
+/// distances.
 fn shapes() -> [(&'static str, Shape, Quat, f64, Distance); 4] {
     let lying = Quat::from_scaled_axis(Vec3::x() * std::f64::consts::FRAC_PI_2);
     let on_edge = Quat::from_scaled_axis(Vec3::x() * std::f64::consts::FRAC_PI_4);
@@ -178,8 +180,8 @@ fn shapes() -> [(&'static str, Shape, Quat, f64, Distance); 4] {
     ]
 }
 
-/// The area of the part of a triangle where a distance is below [`TOUCHING`]: none changes by more than its place,
-/// so that most pieces are decided at their middle, and the others are cut in four.
+/// The area of the part of a triangle where a distance is below [`TOUCHING`]: none changes by more
+/// than its place, so that most pieces are decided at their middle, and the others are cut in four.
 fn near(x: &[Vec3; 3], depth: u32, distance: &impl Fn(&Vec3) -> f64) -> f64 {
     let middle = (x[0] + x[1] + x[2]) / 3.0;
     let radius = x.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
@@ -253,7 +255,8 @@ fn to_surface(p: &Vec3, triangles: &[([Vec3; 3], Vec3, f64)], reach: f64) -> f64
     within.map(|(t, _, _)| to_triangle(p, *t)).fold(reach, f64::min)
 }
 
-/// Half of what touches on either side, of pads that bulge as fingertips do, with triangles of these sizes.
+/// Half of what touches on either side, of pads that bulge as fingertips do, with triangles of
+/// these sizes.
 fn pad_on_pad(triangles: [f64; 2], loads: &[f64]) {
     let mut press = Press::with_pads(triangles.map(|triangle| pad(triangle, 0.25)));
     let triangle = triangles[0].max(triangles[1]);
@@ -291,9 +294,9 @@ fn between_a_coarse_and_a_fine_pad() {
     pad_on_pad([1.6e-3, 4e-3], &[2.0]);
 }
 
-/// Hertz: two bodies of radius R and modulus E that F presses together touch over a circle with `a³ = 3 F R (1 - ν²)/(4 E)`. The pads
-/// are 8 mm high and held below, which makes them firmer than that, and their triangles are not small beside a: of the area
-/// between a half and all is told.
+/// Hertz: two bodies of radius R and modulus E that F presses together touch over a circle with
+/// `a³ = 3 F R (1 - ν²)/(4 E)`. The pads are 8 mm high and held below, which makes them firmer than
+/// that, and their triangles are not small beside a: of the area between a half and all is told.
 #[test]
 fn pads_touch_over_the_area_of_hertz() {
     let (bulge, firmness) = (0.25, 3e5 / (1.0 - FLESH.poisson * FLESH.poisson));

@@ -1,6 +1,7 @@
-//! Goal: a crowd of rigid bodies costs in proportion to their number, and whatever touches is found as
-//! long as bodies are not inside each other by the dozen. Method: balls packed as densely as possible, grains
-//! smaller than the margin, pebbles on a tray, and balls all in one place, against pairs counted one by one.
+//! Goal: a crowd of rigid bodies costs in proportion to their number, and whatever touches is found
+//! as long as bodies are not inside each other by the dozen. Method: balls packed as densely as
+//! possible, grains smaller than the margin, pebbles on a tray, and balls all in one place, against
+//! pairs counted one by one.
 
 use crate::common::body;
 use std::collections::BTreeSet;

@@ -1,7 +1,8 @@
-//! Goal: soft bodies that start inside each other, at any depth and mesh, come out without a kick, whatever
-//! load rests on them, and the depth that is told is the true one. Method: cubes and balls in each other,
-//! whose least way out geometry gives; whether they are out is asked of their tetrahedra, and the energy
-//! that they may have is that of a body pushed at the speed of pushing out.
+//! Goal: soft bodies that start inside each other, at any depth and mesh, come out without a kick,
+//! whatever load rests on them, and the depth that is told is the true one. Method: cubes and balls
+//! in each other, whose least way out geometry gives; whether they are out is asked of their
+//! tetrahedra, and the energy that they may have is that of a body pushed at the speed of pushing
+//! out.
 
 use crate::common::{self, FLESH, bar, body};
 use thenar_core::model::{Flesh, Material, Motion, SoftDesc, WorldDesc};
@@ -10,8 +11,8 @@ use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_testing::one_in;
 
 const EDGE: f64 = 0.04;
-/// How fast overlaps go at a contact margin of 1 mm \[m/s\]: an elastic body pushed so would rise by a
-/// tenth of the margin, `2 s²/g`.
+/// How fast overlaps go at a contact margin of 1 mm \[m/s\]: an elastic body pushed so would rise
+/// by a tenth of the margin, `2 s²/g`.
 const SPEED: f64 = 0.02215;
 
 /// A cube about the origin.
@@ -47,8 +48,8 @@ fn two(h: f64, [a, b]: [Flesh; 2], at: Vec3, turn: Quat) -> WorldDesc {
     desc
 }
 
-/// The nodes of one body inside the other's tetrahedra, but for a skin of a hundredth of these: so deep
-/// contacts may rest.
+/// The nodes of one body inside the other's tetrahedra, but for a skin of a hundredth of these: so
+/// deep contacts may rest.
 fn inside(world: &World, a: u32, b: u32) -> usize {
     let (tets, x) = (&world.desc().softs[b as usize].flesh.tets, world.nodes(b));
     let is_in = |p: &Vec3, tet: &[u32; 4]| {
@@ -66,8 +67,9 @@ fn told(world: &World) -> f64 {
     world.overlaps().first().map_or(0.0, |overlap| overlap.depth)
 }
 
-/// Steps until both are out, and half a second more; they may take twice as long as the way does at the
-/// speed of pushing out. Returns the largest kinetic and the largest gain of total energy \[J\].
+/// Steps until both are out, and half a second more; they may take twice as long as the way does at
+/// the speed of pushing out. Returns the largest kinetic and the largest gain of total energy
+/// \[J\].
 fn comes_out(case: &str, world: &mut World, depth: f64) -> [f64; 2] {
     let (input, h) = (world.input(), world.time_step());
     let start = world.energy(&input).total();
@@ -87,8 +89,8 @@ fn comes_out(case: &str, world: &mut World, depth: f64) -> [f64; 2] {
     [kinetic, gain]
 }
 
-/// Without weight: out, and not faster than an elastic body leaves that is pushed, and stretched by that
-/// no more than it moves.
+/// Without weight: out, and not faster than an elastic body leaves that is pushed, and stretched by
+/// that no more than it moves.
 fn floats_out(case: &str, desc: WorldDesc, depth: f64, accuracy: f64) {
     let mut world = World::new(desc).unwrap();
     let off = told(&world) - depth;
@@ -117,7 +119,8 @@ fn a_cube_in_a_cube_leaves_by_the_least_way() {
     }
 }
 
-/// About the vertical no vertex of the coarsest need be inside; about a horizontal axis an edge is lowest.
+/// About the vertical no vertex of the coarsest need be inside; about a horizontal axis an edge is
+/// lowest.
 #[test]
 fn a_turned_cube_leaves_a_cube_by_the_least_way() {
     for (h, cells) in [(5e-3, 1), (1.0 / 60.0, 4)] {
@@ -136,8 +139,8 @@ fn a_turned_cube_leaves_a_cube_by_the_least_way() {
     }
 }
 
-/// Two balls of four cells across have flat places: their way is shorter by up to two heights of those over
-/// the sphere, `1 - cos 22.5°` of the radius.
+/// Two balls of four cells across have flat places: their way is shorter by up to two heights of
+/// those over the sphere, `1 - cos 22.5°` of the radius.
 #[test]
 fn a_ball_in_a_ball_leaves_it() {
     let flat = 0.076 * 0.5 * EDGE;
@@ -162,8 +165,8 @@ fn a_cube_that_another_has_swallowed_leaves_it() {
     }
 }
 
-/// The load is lifted by no more than the depth, and what else is gained is the strain of the column below
-/// it, which the load made.
+/// The load is lifted by no more than the depth, and what else is gained is the strain of the
+/// column below it, which the load made.
 #[test]
 fn cubes_come_apart_under_a_load() {
     const LOAD: f64 = 5.0;
@@ -233,8 +236,8 @@ fn least_translation(halves: [Vec3; 2], apart: Vec3, turn: &Quat) -> f64 {
     overlaps.fold(f64::INFINITY, f64::min)
 }
 
-/// Corners and edges of boxes that are a little in each other are told at most four times as deep as they are, whatever
-/// lies behind them: a way through the length of one of them is none.
+/// Corners and edges of boxes that are a little in each other are told at most four times as deep
+/// as they are, whatever lies behind them: a way through the length of one of them is none.
 #[test]
 fn corners_are_not_told_many_times_as_deep() {
     let sizes = [Vec3::new(0.1, 0.03, 0.03), Vec3::new(0.024, 0.02, 0.02)];

@@ -1,5 +1,6 @@
-//! Goal: what is held still in a soft pad is pressed by a still force. Method: shapes narrower than the pad's
-//! triangles, led 1 mm into it and held there without friction; the force of one step against that of the next.
+//! Goal: what is held still in a soft pad is pressed by a still force. Method: shapes narrower than
+//! the pad's triangles, led 1 mm into it and held there without friction; the force of one step
+//! against that of the next.
 
 use crate::common::{bar, body};
 use thenar_core::model::{FixedNode, Law, Material, Motion, PairRule, SoftDesc, WorldDesc};
@@ -59,7 +60,8 @@ fn narrow_shapes_press_with_a_still_force() {
     let narrow = |radius: f64| {
         let side = Shape::Cylinder { radius, half_length: 0.01 };
         let round = Shape::Capsule { radius, half_length: 0.01 };
-        // A cone on its side: its axis rises by half its angle, and its middle lies a quarter of it above the base.
+        // A cone on its side: its axis rises by half its angle, and its middle lies a quarter of it
+        // above the base.
         let height = 2.5 * radius;
         let slope = (radius / height).atan();
         let on_side = Quat::from_scaled_axis(Vec3::z() * (std::f64::consts::FRAC_PI_2 + slope));

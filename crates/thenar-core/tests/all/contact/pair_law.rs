@@ -1,6 +1,6 @@
-//! Goal: a pair has Coulomb friction and nothing else: rigid bodies do not bounce, and no point resists
-//! rolling or spinning; flesh resists spinning by its patch. Method: bodies dropped, rolled and spun, in
-//! both schemes, against energy and momentum.
+//! Goal: a pair has Coulomb friction and nothing else: rigid bodies do not bounce, and no point
+//! resists rolling or spinning; flesh resists spinning by its patch. Method: bodies dropped, rolled
+//! and spun, in both schemes, against energy and momentum.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{FixedNode, Motion, SoftDesc, SolverKind, WorldDesc};
@@ -32,8 +32,8 @@ fn step(world: &mut World) {
     assert!(!report.fell_back && !report.non_finite, "{report:?}");
 }
 
-/// Dropped from a metre, what lands flat or on one point stays down; what lands on an edge first may turn over
-/// and slide, but gains nothing, and all of it comes to rest.
+/// Dropped from a metre, what lands flat or on one point stays down; what lands on an edge first
+/// may turn over and slide, but gains nothing, and all of it comes to rest.
 #[test]
 fn nothing_bounces() {
     for (kind, h) in SCHEMES.into_iter().flat_map(|k| [1e-3, 5e-3, 1.0 / 60.0].map(|h| (k, h))) {
@@ -114,8 +114,8 @@ fn a_soft_patch_resists_spinning() {
     for _ in 0..600 {
         step(&mut world);
     }
-    // With a(F) of Hertz's contact under its weight of 0.17 N the patch brakes by 3π/16 μ F a = 1.2e-4 N m:
-    // what turns at 1.3e-5 kg m²/s stops within 0.11 s.
+    // With a(F) of Hertz's contact under its weight of 0.17 N the patch brakes by 3π/16 μ F a =
+    // 1.2e-4 N m: what turns at 1.3e-5 kg m²/s stops within 0.11 s.
     let spin = world.rigid_velocity(0)[1].y;
     assert!(spin.abs() < 1.0, "{spin} rad/s");
 }

@@ -1,6 +1,6 @@
-//! Goal: bodies that overlap come apart without a speed, at any step; joints past a bound turn back so, too;
-//! what contradicts itself stays bounded. Method: bodies that start overlapping, against energy and
-//! statics, and the three solvers against each other.
+//! Goal: bodies that overlap come apart without a speed, at any step; joints past a bound turn back
+//! so, too; what contradicts itself stays bounded. Method: bodies that start overlapping, against
+//! energy and statics, and the three solvers against each other.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
@@ -11,8 +11,8 @@ use thenar_core::shape::Shape;
 use thenar_core::{Pose, Quat, Vec3, World};
 
 const STEPS: [f64; 3] = [1e-4, 1e-3, 1.0 / 60.0];
-/// How fast overlaps go at a contact margin of 1 mm \[m/s\]: an elastic body pushed so would rise by a
-/// tenth of the margin, `2 s²/g`.
+/// How fast overlaps go at a contact margin of 1 mm \[m/s\]: an elastic body pushed so would rise
+/// by a tenth of the margin, `2 s²/g`.
 const SPEED: f64 = 0.02215;
 
 fn plane(desc: &mut WorldDesc, name: &str, pose_WB: Pose) {
@@ -120,8 +120,8 @@ fn an_overlap_gives_an_elastic_body_no_more_energy_than_told() {
     }
 }
 
-/// A box of 20 mm between walls 18 mm apart stays between them, still, and is not pressed harder from
-/// step to step; a soft one, too.
+/// A box of 20 mm between walls 18 mm apart stays between them, still, and is not pressed harder
+/// from step to step; a soft one, too.
 #[test]
 fn contacts_that_contradict_each_other_stay_bounded() {
     for soft in [false, true] {
@@ -147,7 +147,8 @@ fn contacts_that_contradict_each_other_stay_bounded() {
             let case = format!("soft {soft}, h {h}");
             let last = forces.len() - 1;
             if soft {
-                // Young's modulus times 10 % of strain on 4 cm², confined by friction, on two sides.
+                // Young's modulus times 10 % of strain on 4 cm², confined by friction, on two
+                // sides.
                 assert!(forces[last] > 2.0 && forces[last] < 10.0, "{case}: {} N", forces[last]);
                 let change = forces[last] / forces[last / 2] - 1.0;
                 assert!(change.abs() < 0.05, "{case}: {forces:?}");
@@ -180,7 +181,8 @@ fn hinged_rod(h: f64, limit: AngleLimit) -> World {
     World::new(desc).unwrap()
 }
 
-/// At a lever of 50 mm a joint turns back as fast as an overlap goes, no faster, and keeps nothing of it.
+/// At a lever of 50 mm a joint turns back as fast as an overlap goes, no faster, and keeps nothing
+/// of it.
 #[test]
 fn a_joint_past_its_bound_turns_back_without_a_rate() {
     for (h, past) in STEPS.into_iter().flat_map(|h| [(h, 0.05), (h, 0.15)]) {

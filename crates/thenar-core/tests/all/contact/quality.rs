@@ -1,6 +1,6 @@
-//! Goal: contact as firm and as faithful as theory asks. Method: a soft pad on a driven bone is pressed,
-//! twisted, hit and made to hold things, with the exact solver; penetration is measured over all of
-//! its surface, not at contact points.
+//! Goal: contact as firm and as faithful as theory asks. Method: a soft pad on a driven bone is
+//! pressed, twisted, hit and made to hold things, with the exact solver; penetration is measured
+//! over all of its surface, not at contact points.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
@@ -85,7 +85,8 @@ fn force_on(world: &World, id: BodyId) -> Vec3 {
     world.contacts().iter().map(of).sum()
 }
 
-/// Deepest place of a soft surface in a rigid body \[m\]: over points all over its triangles, 66 on each.
+/// Deepest place of a soft surface in a rigid body \[m\]: over points all over its triangles, 66 on
+/// each.
 fn deepest(world: &World, soft: u32, rigid: u32) -> f64 {
     let shape = world.desc().rigids[rigid as usize].shape.as_ref().unwrap();
     let pose = world.rigid_pose(rigid);
@@ -141,8 +142,8 @@ fn twenty_newtons_press_no_surface_point_in_by_more_than_a_fifth_of_a_millimetre
     }
 }
 
-/// A plate 2 mm thick comes at a pad, and a pad at the plate, with 5 m/s. The bone weighs 3 g, as in a
-/// finger: what the flesh can stop before it is crushed.
+/// A plate 2 mm thick comes at a pad, and a pad at the plate, with 5 m/s. The bone weighs 3 g, as
+/// in a finger: what the flesh can stop before it is crushed.
 #[test]
 fn a_thin_plate_and_a_pad_at_five_metres_a_second_do_not_pass_through_each_other() {
     let half = Vec3::new(0.04, 0.001, 0.04);

@@ -1,5 +1,5 @@
-//! Goal: all forms of the contact read-out hold the forces of the contact points, and mean what they
-//! say. Method: pressed, pulled and stacked bodies, against sums, statics and closed formulas.
+//! Goal: all forms of the contact read-out hold the forces of the contact points, and mean what
+//! they say. Method: pressed, pulled and stacked bodies, against sums, statics and closed formulas.
 
 use crate::common::{FLESH, bar, body, finger};
 use thenar_core::model::{BodyId, BodyParts, Drive, Motion, SoftDesc, SolverKind, WorldDesc};
@@ -151,7 +151,8 @@ fn a_block_pulled_aside_sticks_then_slips() {
     let cube = BodyId::Rigid(desc.add_rigid(cube));
     let mut world = World::new(desc).unwrap();
     let mut input = world.input();
-    // 5 N down at 4 mm beside the middle, and a pull along z at the foot, below and above 0.5 × 5 N.
+    // 5 N down at 4 mm beside the middle, and a pull along z at the foot, below and above 0.5 × 5
+    // N.
     for (pull, state) in [(2.0, SlipState::Stick), (3.0, SlipState::Slip)] {
         let force = Vec3::new(0.0, -5.0, pull);
         let arm = Vec3::new(0.004, -0.02, 0.0);

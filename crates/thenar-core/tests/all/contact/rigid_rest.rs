@@ -1,6 +1,6 @@
 //! Goal: rigid bodies lie still. Method: every shape in every stable pose on a plane, a box, and
-//! coarse and fine meshes, started at rest a little above; at 1, 5 and 16.7 ms. After 0.5 s it neither
-//! travels nor moves, and it lies as high as its shape says.
+//! coarse and fine meshes, started at rest a little above; at 1, 5 and 16.7 ms. After 0.5 s it
+//! neither travels nor moves, and it lies as high as its shape says.
 
 use crate::common::body;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -86,7 +86,8 @@ fn bodies() -> Vec<Lying> {
     let rolling = |name, shape, turn, height| Lying { name, shape, turn, height, rolls: true };
     let (radius, tall) = (0.01, 0.03);
     let slant = f64::hypot(radius, tall);
-    // Along its side the centroid, 3/4 of the height from the apex, is 3/4 h sin of half the angle high.
+    // Along its side the centroid, 3/4 of the height from the apex, is 3/4 h sin of half the angle
+    // high.
     let on_side = Quat::from_axis_angle(&Vec3::z_axis(), -(FRAC_PI_2 + (radius / tall).atan()));
     let part = |shape, pose_SP| PlacedShape { shape, pose_SP };
     let table = vec![
@@ -230,8 +231,8 @@ fn balls_rest_on_a_thin_mesh() {
     }
 }
 
-/// A thin plate that turns fast about its middle takes a small ball along instead of passing it, and
-/// does not meet one beyond its reach.
+/// A thin plate that turns fast about its middle takes a small ball along instead of passing it,
+/// and does not meet one beyond its reach.
 #[test]
 fn a_plate_that_turns_fast_meets_what_is_in_its_way_only() {
     let spin = 40.0;

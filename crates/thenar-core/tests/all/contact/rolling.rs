@@ -1,7 +1,8 @@
-//! Goal: rolling resistance comes from the patch alone. Theory: where stress lags by a damping time τ
-//! (σ = σₑ + τ dσₑ/dt), a pattern that travels at v over the flesh has pressure p = pₑ - τ v ∂pₑ/∂x, and
-//! the centre of pressure runs ahead by ∫ x p dA / N = τ v, whatever the shape of the patch: a moment
-//! τ v N against rolling (Brilliantov and Pöschel 1998, Europhys. Lett. 42, 511, for spheres).
+//! Goal: rolling resistance comes from the patch alone. Theory: where stress lags by a damping time
+//! τ (σ = σₑ + τ dσₑ/dt), a pattern that travels at v over the flesh has pressure p = pₑ - τ v
+//! ∂pₑ/∂x, and the centre of pressure runs ahead by ∫ x p dA / N = τ v, whatever the shape of the
+//! patch: a moment τ v N against rolling (Brilliantov and Pöschel 1998, Europhys. Lett. 42, 511,
+//! for spheres).
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{FixedNode, Motion, SoftDesc, SolverKind, WorldDesc};
@@ -13,8 +14,9 @@ const RADIUS: f64 = 0.02;
 /// Damping time of the flesh \[s\].
 const TAU: f64 = 2e-3;
 
-/// A roller pressed 0.8 mm into a slab and rolled over it: how far the centre of pressure runs ahead
-/// \[m\], and the power that rolling takes over speed and normal force, on average over 8 mm of travel.
+/// A roller pressed 0.8 mm into a slab and rolled over it: how far the centre of pressure runs
+/// ahead \[m\], and the power that rolling takes over speed and normal force, on average over 8 mm
+/// of travel.
 fn rolled(speed: f64, friction: f64) -> [f64; 2] {
     let mut desc = WorldDesc { time_step: H, gravity: Vec3::zeros(), ..WorldDesc::default() };
     desc.solver.kind = SolverKind::Exact;
@@ -65,7 +67,8 @@ fn rolled(speed: f64, friction: f64) -> [f64; 2] {
     [moment / normal, power / normal / speed]
 }
 
-/// Without friction the pressure does it all: a horizontal force of N τ v / R holds the roller back.
+/// Without friction the pressure does it all: a horizontal force of N τ v / R holds the roller
+/// back.
 #[test]
 fn rolling_is_resisted_by_how_far_the_flesh_lags() {
     for speed in [0.1, 0.2] {

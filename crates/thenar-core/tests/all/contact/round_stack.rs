@@ -1,6 +1,6 @@
-//! Goal: round bodies that lie along each other bear each other. Method: three lying cylinders or capsules, two between
-//! walls and one on the gap between them; lighter, heavier, thinner, thicker, not flush; at steps up to 20 ms their
-//! axes stay as far apart as their radii say.
+//! Goal: round bodies that lie along each other bear each other. Method: three lying cylinders or
+//! capsules, two between walls and one on the gap between them; lighter, heavier, thinner, thicker,
+//! not flush; at steps up to 20 ms their axes stay as far apart as their radii say.
 
 use crate::common::body;
 use std::f64::consts::FRAC_PI_2;
@@ -69,8 +69,8 @@ fn world(stack: &Stack) -> World {
     World::new(desc).expect("a sound world")
 }
 
-/// How much nearer to each other than their radii add up to the axes of two bodies are \[m\]: of two that are nearly
-/// parallel at the ends of their common length.
+/// How much nearer to each other than their radii add up to the axes of two bodies are \[m\]: of
+/// two that are nearly parallel at the ends of their common length.
 fn depth(world: &World, a: u32, b: u32, stack: &Stack) -> f64 {
     let radii = if b == 5 { RADIUS + stack.top.1 } else { 2.0 * RADIUS };
     let [a, b] = [a, b].map(|k| world.rigid_pose(k));
@@ -85,8 +85,8 @@ fn depth(world: &World, a: u32, b: u32, stack: &Stack) -> f64 {
     radii - apart[0].min(apart[1])
 }
 
-/// Deepest that any of the three is in another \[m\]: ever, and over the last quarter of 1.5 s; and how far the one on top
-/// is from either below at most in that time.
+/// Deepest that any of the three is in another \[m\]: ever, and over the last quarter of 1.5 s; and
+/// how far the one on top is from either below at most in that time.
 fn depths(stack: &Stack) -> [f64; 3] {
     let mut world = world(stack);
     let input = world.input();
@@ -106,9 +106,10 @@ fn depths(stack: &Stack) -> [f64; 3] {
     deepest
 }
 
-/// What a body falls on may be expected to fall, too, until it is found to stand: a step that so lets an overlap grow by up to
-/// half a contact margin, 0.5 mm, is not made anew, and what there is goes in the next ones: never a whole margin. What lies is
-/// within some times what the solver's tolerance makes in four steps, 0.8 µm at 20 ms.
+/// What a body falls on may be expected to fall, too, until it is found to stand: a step that so
+/// lets an overlap grow by up to half a contact margin, 0.5 mm, is not made anew, and what there is
+/// goes in the next ones: never a whole margin. What lies is within some times what the solver's
+/// tolerance makes in four steps, 0.8 µm at 20 ms.
 fn all_bear(stacks: &[Stack]) {
     let mut wrong = Vec::new();
     for stack in stacks {

@@ -1,5 +1,5 @@
-//! Goal: parts of one soft body touch each other. Method: the arms of a soft tuning fork are pressed
-//! together; the fork floats freely, so that contact must leave its momentum alone.
+//! Goal: parts of one soft body touch each other. Method: the arms of a soft tuning fork are
+//! pressed together; the fork floats freely, so that contact must leave its momentum alone.
 
 use crate::common::{FLESH, bar, boundary};
 use std::collections::BTreeMap;
@@ -116,7 +116,8 @@ fn the_arms_of_a_fork_press_on_each_other() {
         let pressing: f64 = world.contacts().iter().map(|c| c.force_W.norm()).sum();
         assert!(pressing > 0.01, "h {h}: they press with {pressing} N only");
         let [p, l] = momentum(&world);
-        // To the solver's 1e-5 m/s. The pushes are opposite, but their lines of action part by what the arms shear.
+        // To the solver's 1e-5 m/s. The pushes are opposite, but their lines of action part by what
+        // the arms shear.
         assert!(p.norm() < 1e-7 && l.norm() < 1e-5, "h {h}: momentum {p} and {l}");
 
         // Without it they go through each other.

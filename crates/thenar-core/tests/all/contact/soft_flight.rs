@@ -69,7 +69,8 @@ fn mean(world: &World, soft: u32, values: &[Vec3]) -> Vec3 {
     sum / masses.iter().sum::<f64>()
 }
 
-/// Where the nodes are that lie on the line through its middle along `way`: what flies at the other.
+/// Where the nodes are that lie on the line through its middle along `way`: what flies at the
+/// other.
 fn core(world: &World, soft: u32, way: Vec3) -> Vec3 {
     let rest = &world.desc().softs[soft as usize].flesh.nodes;
     let on_line = |x: &Vec3| (x - way * x.dot(&way)).norm() < 1e-9;
@@ -113,7 +114,8 @@ fn collide(h: f64, speed: f64, flesh: [Flesh; 2], way: Vec3, thickness: f64, tur
                 "{scene}, step {step}: the middles are {ahead} m apart"
             );
         }
-        // Of a step made in parts only the last one's contacts are told; how they part shows the others.
+        // Of a step made in parts only the last one's contacts are told; how they part shows the
+        // others.
         assert!(pushed > 0.0 || divided, "{scene}: nothing carries");
         let parting = (velocity(&world, 1) - velocity(&world, 0)).dot(&way);
         assert!(parting > -1e-3 * speed, "{scene}: they part at {parting} m/s");

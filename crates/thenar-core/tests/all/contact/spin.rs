@@ -1,7 +1,7 @@
-//! Goal: skin whose triangles are large beside the touching part of a ball, and below twice its radius, holds it against a
-//! spin, as a patch does.
-//! Theory: the ball bulges by 1 µm at three points around the place, `ρ = √(2 R · 1 µm)` from it. Under the load N they give
-//! friction across their arms, a moment `μ N ρ` about the normal.
+//! Goal: skin whose triangles are large beside the touching part of a ball, and below twice its
+//! radius, holds it against a spin, as a patch does. Theory: the ball bulges by 1 µm at three
+//! points around the place, `ρ = √(2 R · 1 µm)` from it. Under the load N they give friction across
+//! their arms, a moment `μ N ρ` about the normal.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{FixedNode, SoftDesc, SolverKind, WorldDesc};
@@ -12,8 +12,9 @@ const FRICTION: f64 = 0.6;
 /// Load \[N\].
 const LOAD: f64 = 1.0;
 
-/// Presses a ball on a slab of cells 20 mm wide at this place for 1 s, so that it is at rest, and then twists it by this part of
-/// `μ N ρ` for 0.2 s. Returns how fast it turns about the vertical, in parts of what it would with nothing to hold it.
+/// Presses a ball on a slab of cells 20 mm wide at this place for 1 s, so that it is at rest, and
+/// then twists it by this part of `μ N ρ` for 0.2 s. Returns how fast it turns about the vertical,
+/// in parts of what it would with nothing to hold it.
 fn twisted(radius: f64, at: [f64; 2], part: f64, h: f64) -> f64 {
     let mut desc = WorldDesc { time_step: h, gravity: Vec3::zeros(), ..WorldDesc::default() };
     desc.solver.kind = SolverKind::Exact;
@@ -53,11 +54,13 @@ fn twisted(radius: f64, at: [f64; 2], part: f64, h: f64) -> f64 {
     world.rigid_velocity(ball)[1].y / (0.2 * twist / inertia)
 }
 
-/// Places where the ball comes to rest within that time: while it still rolls, points in front bear all, and it turns more easily.
+/// Places where the ball comes to rest within that time: while it still rolls, points in front bear
+/// all, and it turns more easily.
 const PLACES: [[f64; 2]; 3] = [[0.027, 0.024], [0.033, 0.035], [0.024, 0.027]];
 
-/// Half of what friction gives does not turn the ball. Of three times what friction gives a third is lost: a little less where flesh sinks in so that
-/// two triangles hold the ball, a little more while it rolls.
+/// Half of what friction gives does not turn the ball. Of three times what friction gives a third
+/// is lost: a little less where flesh sinks in so that two triangles hold the ball, a little more
+/// while it rolls.
 #[test]
 fn a_ball_on_one_triangle_is_held_against_a_spin() {
     for radius in [0.015, 0.02, 0.04] {

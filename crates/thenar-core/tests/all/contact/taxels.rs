@@ -1,6 +1,7 @@
-//! Goal: taxels feel the contact forces, all of them and nothing else, whatever their layout, in frames that move with
-//! the skin. Method: pressed blocks and fingers with taxels at random, on a grid and alone, against sums over the
-//! contact points worked out here, statics, and a body that is turned.
+//! Goal: taxels feel the contact forces, all of them and nothing else, whatever their layout, in
+//! frames that move with the skin. Method: pressed blocks and fingers with taxels at random, on a
+//! grid and alone, against sums over the contact points worked out here, statics, and a body that
+//! is turned.
 
 use crate::common::{FLESH, bar, body, finger, random};
 use thenar_core::model::{BodyId, BodyParts, Drive, Flesh, Motion, SoftDesc, WorldDesc};
@@ -19,7 +20,8 @@ fn add_ground(desc: &mut WorldDesc) {
 /// Pressure under a block of 20×10×30 mm whose weight is 0.5 N \[Pa\].
 const EVEN: f64 = 0.5 / (0.02 * 0.03);
 
-/// The block at rest on the ground, its model frame turned by `turn` about y and pulled along its x \[N\].
+/// The block at rest on the ground, its model frame turned by `turn` about y and pulled along its x
+/// \[N\].
 fn block_world(turn: Quat, pull: f64) -> World {
     let mut desc = WorldDesc::default();
     add_ground(&mut desc);
@@ -48,8 +50,8 @@ fn place(flesh: &Flesh, parts: &[u8], part: u8, point_M: Vec3) -> TaxelPlace {
     skin.nearest(part, &point_M, &Vec3::x()).expect("a surface")
 }
 
-/// Force on a part of body 0, sum of the sizes of its points' forces, and area, straight from the world. With no
-/// parts given, the whole body.
+/// Force on a part of body 0, sum of the sizes of its points' forces, and area, straight from the
+/// world. With no parts given, the whole body.
 fn sums(world: &World, parts: &[u8], part: u8, bones: &[u32]) -> (Vec3, f64, f64) {
     let mut sums = (Vec3::zeros(), 0.0, 0.0);
     for point in world.contacts() {
@@ -184,7 +186,8 @@ fn shear_points_along_the_taxels_axes_whichever_way_the_body_is_turned() {
     }
 }
 
-/// A finger in two parts whose outer half is pressed on the ground: taxels of one part feel that part alone.
+/// A finger in two parts whose outer half is pressed on the ground: taxels of one part feel that
+/// part alone.
 #[test]
 fn taxels_feel_the_parts_that_they_are_on() {
     let mut desc = finger(1e8, 2e-3);

@@ -53,8 +53,8 @@ fn rigid_bodies_stay_on_their_side() {
                     let y = world.rigid_pose(id).position.y;
                     assert!(y > 0.004, "{shape:?} h {h} k {k}: y {y}");
                 }
-                // Turning is not anticipated beyond first order; a step that ends deeper than half the contact
-                // margin is made in parts.
+                // Turning is not anticipated beyond first order; a step that ends deeper than half
+                // the contact margin is made in parts.
                 assert!(deepest < 0.5e-3, "{shape:?} h {h} k {k}: {deepest} m deep");
             }
         }

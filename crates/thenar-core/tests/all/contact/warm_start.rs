@@ -1,6 +1,7 @@
-//! Goal: what contact and joint limits remember as impulses of the last step stands for the same forces in a
-//! step of another length. Method: bodies at rest, whose forces are known from statics; their impulses are
-//! looked at before and after the time step is changed, and so is the first step from them.
+//! Goal: what contact and joint limits remember as impulses of the last step stands for the same
+//! forces in a step of another length. Method: bodies at rest, whose forces are known from statics;
+//! their impulses are looked at before and after the time step is changed, and so is the first step
+//! from them.
 
 use crate::common::body;
 use thenar_core::model::{AngleLimit, Axis, JointDesc, JointKind, Motion, SolverKind, WorldDesc};

@@ -1,6 +1,6 @@
-//! Goal: patches of tetrahedra bend as flesh does, at any compressibility, and keep what makes single
-//! tetrahedra safe. Method: bars on body-centred lattices against refined solutions, and worlds of one
-//! octahedron.
+//! Goal: patches of tetrahedra bend as flesh does, at any compressibility, and keep what makes
+//! single tetrahedra safe. Method: bars on body-centred lattices against refined solutions, and
+//! worlds of one octahedron.
 
 use crate::common::boundary;
 use thenar_core::model::{
@@ -12,8 +12,8 @@ fn material(law: Law, poisson: f64) -> Material {
     Material { law, young: 1e5, poisson, density: 1000.0 }
 }
 
-/// A box of body-centred cubes with one corner at the origin: four tetrahedra around every edge between two
-/// centres, two between a centre and a face of the box.
+/// A box of body-centred cubes with one corner at the origin: four tetrahedra around every edge
+/// between two centres, two between a centre and a face of the box.
 fn lattice_bar(size: Vec3, cubes: [usize; 3], material: Material) -> Flesh {
     let corners = cubes.map(|c| c + 1);
     let corner = |p: [usize; 3]| (p[0] + corners[0] * (p[1] + corners[1] * p[2])) as u32;
@@ -91,8 +91,8 @@ fn desc(flesh: Flesh, patched: bool, h: f64) -> WorldDesc {
     desc
 }
 
-/// Work-averaged displacement [m/N] along an even traction `load` \[N\] on the box's faces that `on` selects,
-/// where the box is clamped at the nodes that `clamped` selects.
+/// Work-averaged displacement [m/N] along an even traction `load` \[N\] on the box's faces that
+/// `on` selects, where the box is clamped at the nodes that `clamped` selects.
 fn compliance(
     mut flesh: Flesh,
     patched: bool,
@@ -129,8 +129,9 @@ fn compliance(
     work / load.norm_squared()
 }
 
-/// A bar 60×15×15 mm clamped at one end, an even traction across it at the other. The refined compliances
-/// come from hexahedra of 27 nodes, up to 24×6×6, extrapolated by their observed order (a program apart).
+/// A bar 60×15×15 mm clamped at one end, an even traction across it at the other. The refined
+/// compliances come from hexahedra of 27 nodes, up to 24×6×6, extrapolated by their observed order
+/// (a program apart).
 #[test]
 fn bars_bend_as_refined_ones_at_any_compressibility() {
     for (poisson, refined) in [(0.3, 0.17605), (0.43, 0.17358), (0.49, 0.17200)] {
@@ -163,8 +164,8 @@ fn bars_bend_as_refined_ones_at_any_compressibility() {
     }
 }
 
-/// A pad 16×16×12 mm clamped below, pressed evenly on the middle 8×8 mm of its top. Refined compliances as
-/// above, up to 12×12×9.
+/// A pad 16×16×12 mm clamped below, pressed evenly on the middle 8×8 mm of its top. Refined
+/// compliances as above, up to 12×12×9.
 #[test]
 fn pads_give_way_as_refined_ones_at_any_compressibility() {
     for (poisson, refined) in [(0.3, 874.9e-6), (0.43, 802.2e-6), (0.49, 761e-6)] {
@@ -191,8 +192,8 @@ fn pads_give_way_as_refined_ones_at_any_compressibility() {
     }
 }
 
-/// Every edge between two centres inside a box of body-centred cubes makes an octahedron, every centre and face
-/// of the box a pyramid, however the box is turned.
+/// Every edge between two centres inside a box of body-centred cubes makes an octahedron, every
+/// centre and face of the box a pyramid, however the box is turned.
 #[test]
 fn a_body_centred_lattice_falls_into_octahedra_and_pyramids() {
     let cubes = [3, 4, 2];
@@ -212,8 +213,8 @@ fn a_body_centred_lattice_falls_into_octahedra_and_pyramids() {
     assert_eq!(count, inner + outer);
 }
 
-/// The loss of momenta of a block of one law that spins freely, pulled out of shape at the start, and its gain
-/// of energy, 0.3 s later, relative to what it had.
+/// The loss of momenta of a block of one law that spins freely, pulled out of shape at the start,
+/// and its gain of energy, 0.3 s later, relative to what it had.
 fn lost(law: Law, relaxation: Relaxation, patched: bool) -> [f64; 3] {
     let mut flesh = lattice_bar(Vec3::new(0.03, 0.02, 0.02), [3, 2, 2], material(law, 0.43));
     flesh.relaxation = vec![relaxation; flesh.tets.len()];
@@ -236,8 +237,9 @@ fn lost(law: Law, relaxation: Relaxation, patched: bool) -> [f64; 3] {
     [(p_now - p).norm() / p.norm(), (l_now - l).norm() / l.norm(), now / before - 1.0]
 }
 
-/// No more is lost than with single tetrahedra, where the step of hyperelastic laws costs some spin; with memory, where
-/// these lose none, what the implicit step takes from the spread while it rings: a millionth.
+/// No more is lost than with single tetrahedra, where the step of hyperelastic laws costs some
+/// spin; with memory, where these lose none, what the implicit step takes from the spread while it
+/// rings: a millionth.
 #[test]
 fn a_free_block_keeps_its_momenta_and_gains_no_energy() {
     let laws =
@@ -254,8 +256,8 @@ fn a_free_block_keeps_its_momenta_and_gains_no_energy() {
     }
 }
 
-/// A bar whose stress fades to g∞ = 0.4 gives way 2.5 times as far in the end; to the digit, since what patches deviate
-/// by fades with it.
+/// A bar whose stress fades to g∞ = 0.4 gives way 2.5 times as far in the end; to the digit, since
+/// what patches deviate by fades with it.
 #[test]
 fn relaxed_patches_give_way_by_what_has_faded() {
     let bar = |terms: &[[f64; 2]]| {

@@ -1,5 +1,5 @@
-//! Goal: layers of tissue add up. Method: a slab of three bonded layers of skin and fat, pressed and sheared, against the
-//! sum of the layers' compliances.
+//! Goal: layers of tissue add up. Method: a slab of three bonded layers of skin and fat, pressed
+//! and sheared, against the sum of the layers' compliances.
 
 use crate::common;
 use thenar_core::model::{FixedNode, Flesh, Law, Material, SoftDesc, WorldDesc};
@@ -72,8 +72,9 @@ fn moved(axis: usize) -> f64 {
     top.iter().map(way).sum::<f64>() / top.len() as f64 / SCALE
 }
 
-/// Held at its sides and pressed, `Σ p d/M` with `M = E (1 − ν)/((1 + ν)(1 − 2ν))`; sheared, `Σ τ d/G`. Layers at the limit of
-/// what elements can bear without locking: one column of cells is exact.
+/// Held at its sides and pressed, `Σ p d/M` with `M = E (1 − ν)/((1 + ν)(1 − 2ν))`; sheared,
+/// `Σ τ d/G`. Layers at the limit of what elements can bear without locking: one column of cells is
+/// exact.
 #[test]
 fn a_slab_of_skin_and_fat_gives_way_by_the_sum_of_its_layers() {
     for (axis, want) in [(1, 15.235_294e-6), (0, 0.396_118e-3)] {

@@ -1,5 +1,6 @@
-//! Goal: tissue with memory relaxes as its Prony series says, loses the energy of a press, and neither brakes nor
-//! drives what floats. Method: cubes through whole steps of a world, against closed forms and quadratures.
+//! Goal: tissue with memory relaxes as its Prony series says, loses the energy of a press, and
+//! neither brakes nor drives what floats. Method: cubes through whole steps of a world, against
+//! closed forms and quadratures.
 
 use crate::common::{FLESH, bar, body};
 use std::f64::consts::PI;
@@ -90,8 +91,8 @@ fn a_held_strain_relaxes_exactly_at_every_step() {
     }
 }
 
-/// A strain that rises evenly within a step ends it at the mean of G over the step, so between what a jump at its
-/// beginning and one at its end would leave.
+/// A strain that rises evenly within a step ends it at the mean of G over the step, so between what
+/// a jump at its beginning and one at its end would leave.
 #[test]
 fn a_strain_that_rises_in_a_step_is_the_mean_of_jumps_in_it() {
     let material = Material { poisson: 0.0, density: 1e-3, ..FLESH };
@@ -152,8 +153,8 @@ impl Press {
         self.world.coupling_wrench(0)[0].y
     }
 
-    /// Part of the work of a half-sine press by `depth` in time `length` that does not come back. A plate
-    /// that does not stick gets none back from where the force would pull.
+    /// Part of the work of a half-sine press by `depth` in time `length` that does not come back. A
+    /// plate that does not stick gets none back from where the force would pull.
     fn loss(mut self, depth: f64, length: f64) -> f64 {
         let steps = (length / self.world.time_step()).round() as usize;
         let (mut spent, mut back, mut before, mut x0) = (0.0, 0.0, 0.0, 0.0);
@@ -172,7 +173,8 @@ impl Press {
     }
 }
 
-/// T5 of the linear law. The figures are a quadrature of the hereditary integral with 200 000 intervals.
+/// T5 of the linear law. The figures are a quadrature of the hereditary integral with 200 000
+/// intervals.
 #[test]
 fn a_press_loses_what_the_hereditary_integral_says() {
     let material = Material { poisson: 0.0, density: 1e-3, ..FLESH };
@@ -189,8 +191,8 @@ fn a_press_loses_what_the_hereditary_integral_says() {
     assert!(elastic.abs() < 1e-6, "{elastic}");
 }
 
-/// A step solves for the stress of its end: mass times acceleration is the force of what it leaves, to first
-/// order in a strain of 1e-7. That needs each part of the tangent.
+/// A step solves for the stress of its end: mass times acceleration is the force of what it leaves,
+/// to first order in a strain of 1e-7. That needs each part of the tangent.
 #[test]
 fn a_step_ends_in_balance_with_what_it_remembers() {
     for law in [Law::Corotational, Law::StableNeoHookean] {
@@ -232,8 +234,8 @@ fn inner_forces(world: &World) -> Vec<Vec3> {
     b.iter().map(|b| b / h).collect()
 }
 
-/// Stress that is stored along other axes than those of the strain turns nothing, not even where elements are
-/// turned inside out; and a turn of the whole turns its forces.
+/// Stress that is stored along other axes than those of the strain turns nothing, not even where
+/// elements are turned inside out; and a turn of the whole turns its forces.
 #[test]
 fn stored_stress_makes_no_torque_and_turns_with_the_body() {
     for law in [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean] {
@@ -286,8 +288,9 @@ fn stored_stress_makes_no_torque_and_turns_with_the_body() {
     }
 }
 
-/// A block that was held sheared until its stress had faded, and is then let go in a spin: what is left in it
-/// makes it swing, and neither brakes nor drives the spin. Its twin has no memory and was never sheared.
+/// A block that was held sheared until its stress had faded, and is then let go in a spin: what is
+/// left in it makes it swing, and neither brakes nor drives the spin. Its twin has no memory and
+/// was never sheared.
 #[test]
 fn what_is_remembered_does_not_brake_a_spin() {
     let material = Material { law: Law::Corotational, young: 2e4, poisson: 0.3, density: 1000.0 };
@@ -328,7 +331,8 @@ fn what_is_remembered_does_not_brake_a_spin() {
     }
 }
 
-/// A state holds all of memory: a world goes back to one with the same bits, and tells other memory by its hash.
+/// A state holds all of memory: a world goes back to one with the same bits, and tells other memory
+/// by its hash.
 #[test]
 fn a_state_brings_memory_back_to_the_bit() {
     let start = |terms: &[[f64; 2]]| {
@@ -431,7 +435,8 @@ fn tetrahedron(material: Material, terms: &[[f64; 2]]) -> Flesh {
     flesh
 }
 
-/// Corotational flesh that was flattened, crushed or turned inside out, and remembers it, comes right again at any step.
+/// Corotational flesh that was flattened, crushed or turned inside out, and remembers it, comes
+/// right again at any step.
 #[test]
 fn inverted_tissue_with_memory_comes_right() {
     let shapes = [

@@ -1,5 +1,5 @@
-//! Goal: tissue with memory never gives back more than was put in. Method: elements thrown out of shape, held there or
-//! not, and let go; and elements led round closed paths of shape.
+//! Goal: tissue with memory never gives back more than was put in. Method: elements thrown out of
+//! shape, held there or not, and let go; and elements led round closed paths of shape.
 
 use crate::common::{self, bar};
 use thenar_core::model::{
@@ -64,8 +64,8 @@ fn laws() -> Vec<Material> {
     ]
 }
 
-/// Thrown out of shape, held there until most of its stress has faded or not at all, and let go: an element never has
-/// more than was put in, in motion or in all, and comes right.
+/// Thrown out of shape, held there until most of its stress has faded or not at all, and let go: an
+/// element never has more than was put in, in motion or in all, and comes right.
 #[test]
 fn a_crushed_element_gives_back_no_more_than_was_put_in() {
     for (material, h) in laws().into_iter().flat_map(|law| STEPS.map(|h| (law, h))) {
@@ -109,9 +109,10 @@ fn faded(mut flesh: Flesh, state: &State, h: f64, steps: usize) -> State {
     held.state().clone()
 }
 
-/// Led round closed paths of shape, from small ones to such that crush it and turn it inside out, in 1 to 100 ms each: by
-/// the forces on its nodes an element takes work in, at any time. Steps are so fine that a hundredth is not
-/// reached by the quadrature of the work, of which single paths have ten million times the energy of others.
+/// Led round closed paths of shape, from small ones to such that crush it and turn it inside out,
+/// in 1 to 100 ms each: by the forces on its nodes an element takes work in, at any time. Steps are
+/// so fine that a hundredth is not reached by the quadrature of the work, of which single paths
+/// have ten million times the energy of others.
 #[test]
 fn work_round_closed_paths_is_never_gained() {
     let mut seed = 7;

@@ -1,5 +1,6 @@
-//! Goal: Ogden's law gives the stresses of its closed form, comes right from any shape, and refuses what it has no
-//! sense for. Method: a cube pulled and pressed between slippery plates; single elements thrown out of shape.
+//! Goal: Ogden's law gives the stresses of its closed form, comes right from any shape, and refuses
+//! what it has no sense for. Method: a cube pulled and pressed between slippery plates; single
+//! elements thrown out of shape.
 
 use crate::common::bar;
 use thenar_core::model::{EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc, WorldDesc};
@@ -79,14 +80,16 @@ fn a_cube_between_slippery_plates_has_the_stress_of_the_closed_form() {
         for (poisson, tolerance) in [(0.4999, 1e-3), (0.49, 0.03)] {
             let stress = nominal(ogden(1e3 * mu, alpha, poisson), stretch) / 1e3;
             let off = (stress / want - 1.0).abs();
-            // At half its height volume changes by 2.7 %: any law with this bulk modulus is off by 3.6 % there.
+            // At half its height volume changes by 2.7 %: any law with this bulk modulus is off by
+            // 3.6 % there.
             let tolerance = if poisson == 0.49 && stretch == 0.5 { 0.04 } else { tolerance };
             assert!(off < tolerance, "{mu} {alpha} {stretch} {poisson}: {stress} {want}");
         }
     }
 }
 
-/// Elements turned inside out, stretched in two directions, flattened and crushed come right, at any step.
+/// Elements turned inside out, stretched in two directions, flattened and crushed come right, at
+/// any step.
 #[test]
 fn any_shape_comes_right() {
     let shapes = [
@@ -108,7 +111,8 @@ fn any_shape_comes_right() {
     for material in laws.into_iter().chain([neo_hookean, corotational]) {
         for h in [1e-3, 5e-3, 0.0167] {
             for shape in shapes {
-                // Crushed along all axes below μ/(λ + μ) = 0.14 stable neo-Hookean elements stay so.
+                // Crushed along all axes below μ/(λ + μ) = 0.14 stable neo-Hookean elements stay
+                // so.
                 if material.law == Law::StableNeoHookean && shape[0] < 0.14 {
                     continue;
                 }

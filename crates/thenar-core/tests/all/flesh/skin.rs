@@ -1,5 +1,6 @@
-//! Goal: skin holds flesh as sheets under tension do. Method: bars that skin carries, balls of flesh blown up, or
-//! squeezed by their skin, against closed forms; flesh in flight, whose momentum and energy skin leaves alone.
+//! Goal: skin holds flesh as sheets under tension do. Method: bars that skin carries, balls of
+//! flesh blown up, or squeezed by their skin, against closed forms; flesh in flight, whose momentum
+//! and energy skin leaves alone.
 
 use crate::common::bar;
 use thenar_core::model::{
@@ -43,8 +44,9 @@ fn skinned(flesh: Flesh, sheet: Sheet, h: f64, on: impl Fn(&Vec3) -> bool) -> Wo
     desc
 }
 
-/// A bar of flesh with skin all along it, pulled at its ends: flesh and skin have one Poisson's ratio, so that both
-/// stretch evenly, and share the force as their stiffness, `F = (E A + E t P) (λ − 1)` with P around the bar.
+/// A bar of flesh with skin all along it, pulled at its ends: flesh and skin have one Poisson's
+/// ratio, so that both stretch evenly, and share the force as their stiffness,
+/// `F = (E A + E t P) (λ − 1)` with P around the bar.
 #[test]
 fn skin_shares_the_tension_of_a_bar() {
     let size = Vec3::new(0.04, 0.012, 0.008);
@@ -207,8 +209,9 @@ fn blow(x: &[Vec3], triangles: &[[u32; 3]], pressure: f64, forces: &mut [Vec3]) 
     }
 }
 
-/// A balloon of skin, its flesh too soft to matter, blown up by a fifth. Laplace: `p = 2 T/R`, where the true tension is
-/// the nominal one of plane stress over the stretch: `T = E t (λ − 1)/((1 − ν) λ)`, `R = λ R₀`.
+/// A balloon of skin, its flesh too soft to matter, blown up by a fifth. Laplace: `p = 2 T/R`,
+/// where the true tension is the nominal one of plane stress over the stretch:
+/// `T = E t (λ − 1)/((1 − ν) λ)`, `R = λ R₀`.
 #[test]
 fn a_balloon_has_the_pressure_of_laplace() {
     let mut errors = Vec::new();
@@ -235,8 +238,8 @@ fn a_balloon_has_the_pressure_of_laplace() {
     assert!(errors[1].abs() < 0.4 * errors[0].abs(), "{errors:?}");
 }
 
-/// Skin in tension squeezes a ball of flesh until the pressure in it carries the skin: with `ε` the shrinkage,
-/// `E_f ε/(1 − 2 ν_f) = p = 2 (T₀ − E t ε/(1 − ν))/R`. Nothing moves as a whole.
+/// Skin in tension squeezes a ball of flesh until the pressure in it carries the skin: with `ε` the
+/// shrinkage, `E_f ε/(1 − 2 ν_f) = p = 2 (T₀ − E t ε/(1 − ν))/R`. Nothing moves as a whole.
 #[test]
 fn tension_at_rest_is_balanced_by_the_flesh() {
     let mut errors = Vec::new();
@@ -263,9 +266,9 @@ fn tension_at_rest_is_balanced_by_the_flesh() {
     assert!(errors[1].abs() < 0.4 * errors[0].abs(), "{errors:?}");
 }
 
-/// A bar in free flight that spins and wobbles in its skin, wrinkles and all, at short and long steps: momentum stays, energy
-/// does not grow. (Where steps are not asked whether they foresaw what skin did, the second grows by half, a plate of 450 kN/m
-/// 18 times.)
+/// A bar in free flight that spins and wobbles in its skin, wrinkles and all, at short and long
+/// steps: momentum stays, energy does not grow. (Where steps are not asked whether they foresaw
+/// what skin did, the second grows by half, a plate of 450 kN/m 18 times.)
 #[test]
 fn skin_is_passive_and_moves_nothing_as_a_whole() {
     for (sheet, h) in [
@@ -308,8 +311,8 @@ fn skin_is_passive_and_moves_nothing_as_a_whole() {
         assert!(most < 1.000_1 * first, "{h} s, {sheet:?}: {most} J of {first}");
         let [now, turned] = world.momentum();
         assert!((now - linear).norm() < 1e-9 * linear.norm(), "{h} s");
-        // Stiffness against the turns of tense skin brakes a spin, by no more than implicit Euler's method would where it
-        // bore all of the centripetal force: at a rate of h ω².
+        // Stiffness against the turns of tense skin brakes a spin, by no more than implicit Euler's
+        // method would where it bore all of the centripetal force: at a rate of h ω².
         let kept = turned.norm() / angular.norm();
         let spin = Vec3::new(2.0, 20.0, 8.0).norm_squared();
         let least = (-h * spin).exp();

@@ -112,8 +112,9 @@ fn two_steps_approach_the_monolithic_solution_as_the_step_shrinks() {
     }
 }
 
-/// Without joints between the bodies the two-step solution is the monolithic one, but for how positions follow
-/// from velocities: the two-step scheme leaves out by how much targets move beyond first order.
+/// Without joints between the bodies the two-step solution is the monolithic one, but for how
+/// positions follow from velocities: the two-step scheme leaves out by how much targets move beyond
+/// first order.
 #[test]
 fn without_joints_two_steps_are_the_monolithic_solution() {
     let mut desc = finger(1e8, 5e-3);

@@ -1,6 +1,6 @@
-//! Goal: joint limits of the exact solver hold under load, push only, give no energy, and are solved
-//! together with contact. Method: bones pressed and thrown against their bounds, against statics,
-//! energy balance and the dense reference.
+//! Goal: joint limits of the exact solver hold under load, push only, give no energy, and are
+//! solved together with contact. Method: bones pressed and thrown against their bounds, against
+//! statics, energy balance and the dense reference.
 
 use crate::common::{body, finger, random};
 use thenar_core::model::{
@@ -189,8 +189,9 @@ fn random_torques_cannot_break_a_bound() {
     }
 }
 
-/// Nothing but a bound acts on a soft finger that is turned to and fro: hitting it, holding and letting
-/// go agree with the dense reference, mostly without the compliance of the flesh (no sweep).
+/// Nothing but a bound acts on a soft finger that is turned to and fro: hitting it, holding and
+/// letting go agree with the dense reference, mostly without the compliance of the flesh (no
+/// sweep).
 #[test]
 fn bounds_alone_agree_with_the_dense_reference() {
     for (kappa, h) in [(1e8, 1e-3), (1e9, 5e-3)] {
@@ -225,7 +226,8 @@ fn bounds_alone_agree_with_the_dense_reference() {
     }
 }
 
-/// A finger pressed on a plane until its knuckle can give no more: contact and bound share the load.
+/// A finger pressed on a plane until its knuckle can give no more: contact and bound share the
+/// load.
 #[test]
 fn limits_and_contact_agree_with_the_dense_reference() {
     let drive =

@@ -1,5 +1,6 @@
-//! Goal: joints stay closed however long the step, and closing them costs no momentum and brings in no energy.
-//! Method: chains, loops and a soft finger thrown about at 60 Hz, against conservation laws and geometry.
+//! Goal: joints stay closed however long the step, and closing them costs no momentum and brings in
+//! no energy. Method: chains, loops and a soft finger thrown about at 60 Hz, against conservation
+//! laws and geometry.
 
 use crate::common::{body, finger, random};
 use std::f64::consts::FRAC_PI_2;
@@ -159,8 +160,9 @@ fn loops_stay_closed() {
     }
 }
 
-/// A free soft finger that turns gains no energy: its flesh goes round with its bones. Velocities are those
-/// of where a step began, which lie askew to where it ends by the angle θ of a step: `θ²` of the energy.
+/// A free soft finger that turns gains no energy: its flesh goes round with its bones. Velocities
+/// are those of where a step began, which lie askew to where it ends by the angle θ of a step: `θ²`
+/// of the energy.
 #[test]
 fn flesh_goes_round_with_its_bones() {
     for (kappa, spin) in [(1e8, 10.0), (1e9, 20.0)] {
@@ -200,9 +202,10 @@ fn flesh_goes_round_with_its_bones() {
     }
 }
 
-/// Flesh on a bone that turns at a steady rate is strained by its weight in the turn, whatever the step. If it went straight
-/// on beside bound nodes that go round, it would be strained by `(Δt ω)²/2` besides: 1.4 % at 60 Hz, and `½ E ε² V` of
-/// that is 74 µJ, where its weight stores 0.13.
+/// Flesh on a bone that turns at a steady rate is strained by its weight in the turn, whatever the
+/// step. If it went straight on beside bound nodes that go round, it would be strained by
+/// `(Δt ω)²/2` besides: 1.4 % at 60 Hz, and `½ E ε² V` of that is 74 µJ, where its weight stores
+/// 0.13.
 #[test]
 fn flesh_that_no_spring_binds_goes_round_with_its_bone() {
     let stored = |h: f64| {

@@ -1,5 +1,6 @@
-//! Goal: springs, dampers and drives about joint axes act as springs and dampers do, wherever on the circle
-//! their rest lies. Method: single bodies against closed forms and recurrences of backward Euler.
+//! Goal: springs, dampers and drives about joint axes act as springs and dampers do, wherever on
+//! the circle their rest lies. Method: single bodies against closed forms and recurrences of
+//! backward Euler.
 
 use crate::common::body;
 use std::f64::consts::TAU;
@@ -192,7 +193,8 @@ fn a_drive_follows_a_turning_target() {
     }
 }
 
-/// A target that turns on at a steady rate is followed without lag: spring and damper both know of its motion.
+/// A target that turns on at a steady rate is followed without lag: spring and damper both know of
+/// its motion.
 #[test]
 fn a_stiff_drive_keeps_up_with_a_turning_target() {
     let h = 1e-3;

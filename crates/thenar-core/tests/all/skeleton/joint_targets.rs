@@ -1,5 +1,5 @@
-//! Goal: a joint goes where its target says, as its spring and damper allow, whatever the solver and the step. Method:
-//! statics and steady motion of one rod; momentum of a free pair.
+//! Goal: a joint goes where its target says, as its spring and damper allow, whatever the solver
+//! and the step. Method: statics and steady motion of one rod; momentum of a free pair.
 
 use crate::common::{body, random};
 use thenar_core::model::{Axis, JointDesc, JointKind, SolverKind, WorldDesc};
@@ -56,8 +56,8 @@ fn the_joint_comes_to_rest_at_its_target_less_what_a_load_takes() {
     }
 }
 
-/// A target that moves steadily and tells its rate is followed without lag; one that does not is followed
-/// with the lag `d ω / k` of the damper.
+/// A target that moves steadily and tells its rate is followed without lag; one that does not is
+/// followed with the lag `d ω / k` of the damper.
 #[test]
 fn a_moving_target_is_followed_without_lag_if_it_tells_its_rate() {
     let rate = 1.5;
@@ -102,7 +102,8 @@ fn a_ball_turns_to_its_target() {
     }
 }
 
-/// Torques of drives act in pairs: two free bodies keep their momentum, whatever is asked of the joint between them.
+/// Torques of drives act in pairs: two free bodies keep their momentum, whatever is asked of the
+/// joint between them.
 #[test]
 fn a_driven_joint_is_internal() {
     for kind in [JointKind::Hinge, JointKind::Universal, JointKind::Ball] {
@@ -144,8 +145,8 @@ fn a_driven_joint_is_internal() {
     }
 }
 
-/// A joint held away from its rest by a strong spring is not thrown back to it by one bad number: it is let go for a step, and
-/// turns on.
+/// A joint held away from its rest by a strong spring is not thrown back to it by one bad number:
+/// it is let go for a step, and turns on.
 #[test]
 fn a_target_that_is_no_number_lets_go_for_a_step() {
     for kind in [JointKind::Hinge, JointKind::Ball] {

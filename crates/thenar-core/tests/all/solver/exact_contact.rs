@@ -1,6 +1,6 @@
 //! Goal: contact in the exact solver is that of the whole constrained system, with Coulomb's cone.
-//! Method: scenes that press, slide and stack, against the dense reference step by step, and against
-//! closed formulas.
+//! Method: scenes that press, slide and stack, against the dense reference step by step, and
+//! against closed formulas.
 
 use crate::common::{FLESH, bar, body, finger};
 use thenar_core::model::{BodyId, Cone, Drive, Motion, SoftDesc, SolverKind, WorldDesc};
@@ -116,11 +116,11 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
             unconverged += u32::from(report.contact_unconverged);
             most = most.max(report.contacts_active);
             check_friction(&world, cone, &case);
-            // Three steps of each press. In a few of the others (circular cone, 1e7 N/m⁴,
-            // 1 ms, steps 23, 24 and 59, where the reference ends at 5e-7 m/s) there is nothing to compare with: neither iteration has
-            // converged when it stops, and the exact solver says so. Sweeps there keep shifting load by some 1e-7
-            // m/s each; 128 708 of them, to 1e-8 m/s each, end 1e-3 m/s away from the answer to
-            // 1e-7 m/s each.
+            // Three steps of each press. In a few of the others (circular cone, 1e7 N/m⁴, 1 ms,
+            // steps 23, 24 and 59, where the reference ends at 5e-7 m/s) there is nothing to
+            // compare with: neither iteration has converged when it stops, and the exact solver
+            // says so. Sweeps there keep shifting load by some 1e-7 m/s each; 128 708 of them, to
+            // 1e-8 m/s each, end 1e-3 m/s away from the answer to 1e-7 m/s each.
             if i % 24 != 10 {
                 continue;
             }
@@ -139,8 +139,8 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
     }
 }
 
-/// Once a pressed finger lies still, its contacts keep their impulses: no sweep is made, the law holds at the velocities,
-/// which are those of the dense reference, and forces stay as they are.
+/// Once a pressed finger lies still, its contacts keep their impulses: no sweep is made, the law
+/// holds at the velocities, which are those of the dense reference, and forces stay as they are.
 #[test]
 fn contacts_at_rest_keep_their_impulses() {
     for (kappa, h) in [(1e9, 1e-3), (1e8, 5e-3), (1e10, 1e-2)] {
@@ -174,8 +174,8 @@ fn contacts_at_rest_keep_their_impulses() {
     }
 }
 
-/// A bound on the work of a step is kept but for the few sweeps that each round makes at least, and is reported; what is
-/// left is told about right. One that is never reached changes nothing.
+/// A bound on the work of a step is kept but for the few sweeps that each round makes at least, and
+/// is reported; what is left is told about right. One that is never reached changes nothing.
 #[test]
 fn a_step_that_is_cut_short_says_what_that_cost() {
     let (mut world, input) = press(1e7, 1e-3, Cone::Circular);

@@ -1,6 +1,6 @@
 //! Goal: the velocity error asked of the exact solver holds in contact too, rigid and deformable
-//! bodies in one network. Method: two grasps, stepped once from the same states and contact impulses
-//! by it and by the dense reference, over four to seven decades of tolerance.
+//! bodies in one network. Method: two grasps, stepped once from the same states and contact
+//! impulses by it and by the dense reference, over four to seven decades of tolerance.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
@@ -111,8 +111,8 @@ fn steer(world: &World, time: f64, input: &mut Input) {
     }
 }
 
-/// Largest difference of velocity \[m/s\]: of the rod's surface at its ends, where it is farthest from its axis
-/// and its middle; of bones with their turning taken at 5 cm.
+/// Largest difference of velocity \[m/s\]: of the rod's surface at its ends, where it is farthest
+/// from its axis and its middle; of bones with their turning taken at 5 cm.
 fn difference(a: &World, b: &World) -> f64 {
     let mut largest = 0.0_f64;
     for (i, rigid) in (0..).zip(&a.desc().rigids) {
@@ -147,9 +147,9 @@ fn exact(world: &World, tolerance: f64, sweeps_max: u32) -> World {
     world
 }
 
-/// How far the exact solver's step is from a solution \[m/s\]. Where contacts bear more than they need to,
-/// Coulomb's law has several solutions: the reference, started from the
-/// impulses that the exact solver ended with, must stay there.
+/// How far the exact solver's step is from a solution \[m/s\]. Where contacts bear more than they
+/// need to, Coulomb's law has several solutions: the reference, started from the impulses that the
+/// exact solver ended with, must stay there.
 fn error(before: &World, input: &Input, dense: &World, found: &World, tolerance: f64) -> f64 {
     let off = difference(found, dense);
     if off <= tolerance {
@@ -175,8 +175,8 @@ fn grasps() -> [(&'static str, WorldDesc); 5] {
     ]
 }
 
-/// Calls `look` at states 16 ms apart on the way of a grasp (8 ms with all cases), with the step by the reference
-/// from there.
+/// Calls `look` at states 16 ms apart on the way of a grasp (8 ms with all cases), with the step by
+/// the reference from there.
 fn along(desc: WorldDesc, mut look: impl FnMut(&World, &Input, &World)) {
     let mut world = exact(&World::new(desc).unwrap(), 1e-6, 10_000);
     let mut input = world.input();
@@ -203,8 +203,8 @@ fn the_tolerance_is_honoured_in_contact() {
     let (mut steps, mut over, mut pressing, mut sliding) = (0, 0, 0, 0);
     for (name, desc) in grasps() {
         let mut worst = [0.0_f64; 7];
-        // A stiff rim on level edges has more points than bear it: how they share the load is found to the default
-        // tolerance, and no finer.
+        // A stiff rim on level edges has more points than bear it: how they share the load is found
+        // to the default tolerance, and no finer.
         let decades = if name == "bread, stiff" { 4 } else { 7 };
         along(desc, |before, input, dense| {
             pressing += dense.contacts().iter().filter(|c| c.force_W != Vec3::zeros()).count();
@@ -233,7 +233,8 @@ fn the_tolerance_is_honoured_in_contact() {
     assert!(50 * over <= steps, "{over} of {steps} steps missed the tolerance");
 }
 
-/// Contact that ran out of sweeps short of the tolerance says so, and by no more than anything moves.
+/// Contact that ran out of sweeps short of the tolerance says so, and by no more than anything
+/// moves.
 #[test]
 fn contact_that_misses_the_tolerance_says_so() {
     let (mut missed, mut looks) = (0, 0);
@@ -260,8 +261,8 @@ fn contact_that_misses_the_tolerance_says_so() {
             }
         });
     }
-    // Most of what so few sweeps leave is led on to where it should be.
-    // One look in a hundred: of one, three, ten and thirty sweeps 2 in 160 were, once impulses that have to change are followed with
-    // the factor at once.
+    // Most of what so few sweeps leave is led on to where it should be. One look in a hundred: of
+    // one, three, ten and thirty sweeps 2 in 160 were, once impulses that have to change are
+    // followed with the factor at once.
     assert!(100 * missed > looks, "only {missed} of {looks} missed");
 }

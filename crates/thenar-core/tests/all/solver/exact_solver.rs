@@ -113,7 +113,8 @@ fn rigs(kappa: f64, h: f64) -> Vec<(&'static str, WorldDesc)> {
     ]
 }
 
-/// Targets between two bones are shifted by up to 2 mm where their joint is turned by half a radian, one way or another.
+/// Targets between two bones are shifted by up to 2 mm where their joint is turned by half a
+/// radian, one way or another.
 fn shifted(mut desc: WorldDesc, skinning: Skinning) -> WorldDesc {
     let mut seed = 3;
     let mut vec = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed));

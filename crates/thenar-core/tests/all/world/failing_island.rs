@@ -1,6 +1,6 @@
-//! Goal: a step that fails in one part of the world is made safely there and nowhere else. Method: an
-//! elastic block whose equations are not solved to tolerance in any step, beside bodies that fly; their
-//! paths are those of backward Euler, in which gravity alone acts.
+//! Goal: a step that fails in one part of the world is made safely there and nowhere else. Method:
+//! an elastic block whose equations are not solved to tolerance in any step, beside bodies that
+//! fly; their paths are those of backward Euler, in which gravity alone acts.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{Law, Material, SoftDesc, SolverKind, WorldDesc};
@@ -25,7 +25,8 @@ fn block(desc: &mut WorldDesc) {
         coupling: None,
     });
     desc.solver.cg_iterations_max = 1;
-    // In halved steps the ball would follow another path than that below, of whole steps of backward Euler.
+    // In halved steps the ball would follow another path than that below, of whole steps of
+    // backward Euler.
     desc.solver.step_halvings_max = 0;
 }
 

@@ -1,6 +1,6 @@
-//! Goal: a step that contact does not carry through is made in parts, as steps of their lengths would be.
-//! Method: a rod that falls on one end and slaps with the other, against a closed form; the same halves made
-//! as steps of their own, bit by bit; scenes where nothing is to be divided.
+//! Goal: a step that contact does not carry through is made in parts, as steps of their lengths
+//! would be. Method: a rod that falls on one end and slaps with the other, against a closed form;
+//! the same halves made as steps of their own, bit by bit; scenes where nothing is to be divided.
 
 use crate::common::body;
 use thenar_core::condensed::{RigidState, SlowToFast};
@@ -26,8 +26,8 @@ fn plate(desc: &mut WorldDesc, x: f64, top: f64) {
     desc.add_rigid(plate);
 }
 
-/// A thin level rod that falls on a plate with its left end, `gap` below it; by `lower` deeper is a plate below its
-/// right end.
+/// A thin level rod that falls on a plate with its left end, `gap` below it; by `lower` deeper is a
+/// plate below its right end.
 fn rod([gap, lower]: [f64; 2], halvings: u32, kind: SolverKind) -> (World, Input) {
     let mut desc = WorldDesc { time_step: STEP, gravity: Vec3::zeros(), ..WorldDesc::default() };
     desc.solver.step_halvings_max = halvings;
@@ -59,9 +59,9 @@ fn depth(world: &World, lower: f64) -> f64 {
     left.max(right)
 }
 
-/// A thin rod of half length l that is stopped at a distance a from its middle turns, so that its other end goes on
-/// at `v (1 + (3 a/l - 1) / (1 + 3 a²/l²))`: with the edge of a plate at l/2, 9/7 of its speed, too fast for a
-/// step that did not see it coming.
+/// A thin rod of half length l that is stopped at a distance a from its middle turns, so that its
+/// other end goes on at `v (1 + (3 a/l - 1) / (1 + 3 a²/l²))`: with the edge of a plate at l/2, 9/7
+/// of its speed, too fast for a step that did not see it coming.
 #[test]
 fn an_end_that_slaps_is_seen_coming() {
     for kind in [SolverKind::Exact, SolverKind::DenseReference, SolverKind::TwoStep] {
@@ -88,8 +88,8 @@ fn an_end_that_slaps_is_seen_coming() {
     }
 }
 
-/// Where the end slaps in the second half of the step, neither the step nor this half sees it coming; the last halving
-/// looks once more, as far as the end went.
+/// Where the end slaps in the second half of the step, neither the step nor this half sees it
+/// coming; the last halving looks once more, as far as the end went.
 #[test]
 fn the_shortest_part_looks_again() {
     let places = [0.020, 0.0155];
@@ -138,7 +138,8 @@ fn lead(input: &mut Input, t: f64) {
     });
 }
 
-/// A step in two parts is two steps of half its length, with drives led to where they are to be in between.
+/// A step in two parts is two steps of half its length, with drives led to where they are to be in
+/// between.
 #[test]
 fn two_parts_are_two_steps() {
     let ([mut world, mut half], mut input) = ([driven(1).0, driven(0).0], driven(1).1);

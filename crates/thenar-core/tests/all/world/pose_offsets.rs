@@ -1,12 +1,14 @@
-//! Goal: offsets of targets by pose go with their body wherever the world goes on without the rest, or with other numbers.
-//! Method: two fingers, of which the second has offsets; it is taken out, and the world is given other offsets.
+//! Goal: offsets of targets by pose go with their body wherever the world goes on without the rest,
+//! or with other numbers. Method: two fingers, of which the second has offsets; it is taken out,
+//! and the world is given other offsets.
 
 use crate::common::finger;
 use thenar_core::model::{Drive, PoseOffsets, WorldDesc};
 use thenar_core::world::{Input, ModelError, Target};
 use thenar_core::{Pose, Quat, Vec3, World};
 
-/// Two fingers, the second of bones 2 and 3, joint 1 and body 1, whose targets at the joint go up by `up` \[m\] in a bend of 0.5 rad.
+/// Two fingers, the second of bones 2 and 3, joint 1 and body 1, whose targets at the joint go up
+/// by `up` \[m\] in a bend of 0.5 rad.
 fn fingers(up: f64) -> WorldDesc {
     let mut desc = finger(1e8, 1e-3);
     desc.solver.velocity_tolerance = 1e-10;
@@ -92,7 +94,8 @@ fn a_finger_taken_out_keeps_its_offsets() {
     assert!(apart(&whole, &plain) > 1e-4, "the offsets must do something");
 }
 
-/// Other offsets of as many nodes and poses act at once; others are refused, and nothing has changed.
+/// Other offsets of as many nodes and poses act at once; others are refused, and nothing has
+/// changed.
 #[test]
 fn a_running_world_takes_other_offsets_but_no_more() {
     let mut world = World::new(fingers(2e-3)).unwrap();

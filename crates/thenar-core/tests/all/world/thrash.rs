@@ -1,6 +1,6 @@
 //! Goal: the exact solver bears violence at any stiffness and time step, and a step that it cannot
-//! make is named, made safely, and forgotten by the next. Method: a driven finger thrashed at random
-//! between a plate, a loose box and a soft block; then the same with failures forced.
+//! make is named, made safely, and forgotten by the next. Method: a driven finger thrashed at
+//! random between a plate, a loose box and a soft block; then the same with failures forced.
 
 use crate::common::{FLESH, bar, body, finger, random};
 use thenar_core::model::{Drive, Material, Motion, SoftDesc, SolverSettings, WorldDesc};
@@ -14,8 +14,8 @@ const DRIVE: Drive =
 /// Half of the space that targets jump about in \[m\].
 const REACH: f64 = 0.04;
 
-/// A finger of this coupling \[N/m⁴\] and Young's modulus \[Pa\] above a plane, a box of 50 g and a soft
-/// block of the same modulus on it.
+/// A finger of this coupling \[N/m⁴\] and Young's modulus \[Pa\] above a plane, a box of 50 g and a
+/// soft block of the same modulus on it.
 fn scene(kappa: f64, young: f64, h: f64) -> WorldDesc {
     let mut desc = finger(kappa, h);
     for material in &mut desc.softs[0].flesh.materials {
@@ -78,8 +78,8 @@ impl Extremes {
 }
 
 /// What the scene can hold at most: both drives stretched across the space and turned by three
-/// radians, and flesh stretched by √5 - 1 and off its bones by 1 cm, as a turn of two radians within
-/// one long step does (nodes and bones go along tangents).
+/// radians, and flesh stretched by √5 - 1 and off its bones by 1 cm, as a turn of two radians
+/// within one long step does (nodes and bones go along tangents).
 fn energy_max(kappa: f64, young: f64) -> f64 {
     let far = 3.0 * (2.0 * REACH).powi(2);
     let volume = 0.06 * 0.016 * 0.016 + 0.02 * 0.02 * 0.02;
@@ -124,8 +124,8 @@ fn thrashing_is_borne_at_any_stiffness_and_step() {
     }
 }
 
-/// Steps that all fail: motion dies down instead of building up, joints hold, and the first step that
-/// may converge again does.
+/// Steps that all fail: motion dies down instead of building up, joints hold, and the first step
+/// that may converge again does.
 #[test]
 fn steps_that_fail_one_after_the_other_stay_calm() {
     for (kappa, h) in [(1e8, 1e-3), (1e9, 1.0 / 60.0), (1e10, 0.02)] {
@@ -203,11 +203,11 @@ fn flesh_turned_inside_out_comes_back() {
     }
 }
 
-/// A cube of 602 surface points falls so fast that without the table all of them, far more than there
-/// is room for, would be below it at the end of a step. Those of its lower face keep the others out:
-/// no step falls back, and no point ends below the table by more than the tolerance of both
-/// velocities and impulses lets it drift in a step, and what four such steps leave: less is not
-/// pushed out.
+/// A cube of 602 surface points falls so fast that without the table all of them, far more than
+/// there is room for, would be below it at the end of a step. Those of its lower face keep the
+/// others out: no step falls back, and no point ends below the table by more than the tolerance of
+/// both velocities and impulses lets it drift in a step, and what four such steps leave: less is
+/// not pushed out.
 #[test]
 fn points_that_others_keep_out_need_no_room() {
     let h = 1.0 / 60.0;

@@ -1,5 +1,5 @@
-//! Goal: whatever can be simulated opens with its driver, moves, and is felt. Method: each of them at a
-//! place of its own.
+//! Goal: whatever can be simulated opens with its driver, moves, and is felt. Method: each of them
+//! at a place of its own.
 
 use super::*;
 use crate::{HandOutput, Rendering, now_ns};

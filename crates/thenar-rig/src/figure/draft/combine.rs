@@ -7,14 +7,15 @@ use thenar_core::model::{Axis, JointKind};
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
-/// Hinges meet within this part of the figure's size, and at right angles within this angle \[rad\]; what is less is
-/// round-off and is not told.
+/// Hinges meet within this part of the figure's size, and at right angles within this angle
+/// \[rad\]; what is less is round-off and is not told.
 const EXACTNESS: f64 = 1e-6;
-/// Hinges that pass each other within this part of the figure's size meet halfway, and that is told: the two axes of an
-/// ankle lie 10 to 40 mm apart in descriptions of people of 1.4 to 1.8 m.
+/// Hinges that pass each other within this part of the figure's size meet halfway, and that is
+/// told: the two axes of an ankle lie 10 to 40 mm apart in descriptions of people of 1.4 to 1.8 m.
 const PASSING: f64 = 0.05;
 
-/// The joint that a chain of joints makes, and what to tell of it; `frame` turns the frame of a ball joint.
+/// The joint that a chain of joints makes, and what to tell of it; `frame` turns the frame of a
+/// ball joint.
 ///
 /// # Errors
 /// Says why the chain is no hinge, universal joint or ball joint.
@@ -120,8 +121,8 @@ fn moved(away: Option<f64>) -> String {
     })
 }
 
-/// The point in which all axes meet, that of the first two, which are at right angles; and how far from it they pass
-/// \[m\], where that is more than round-off.
+/// The point in which all axes meet, that of the first two, which are at right angles; and how far
+/// from it they pass \[m\], where that is more than round-off.
 fn common_point(joints: &[SettledJoint], size: f64) -> Result<(Vec3, Option<f64>), String> {
     let [first, second, ..] = joints else { return Err("it has no two hinges".to_owned()) };
     let between = second.point_M - first.point_M;

@@ -57,7 +57,8 @@ pub(in crate::figure) fn is_inertia(tensor: &Mat3) -> bool {
 pub(in crate::figure) struct LinkMass {
     /// The mass; none is zero.
     pub body: Option<Body>,
-    /// True where the file states a mass or a density: otherwise only what is merged with such a link counts.
+    /// True where the file states a mass or a density: otherwise only what is merged with such a
+    /// link counts.
     pub stated: bool,
 }
 
@@ -85,8 +86,8 @@ impl LinkMass {
     }
 }
 
-/// The body of density 1 that fills a sphere, capsule, box, cylinder or ellipsoid, in the shape's frame; none for
-/// another shape.
+/// The body of density 1 that fills a sphere, capsule, box, cylinder or ellipsoid, in the shape's
+/// frame; none for another shape.
 pub(in crate::figure) fn of_shape(shape: &Shape) -> Option<Body> {
     let (mass, moments) = match *shape {
         Shape::Sphere { radius } => ball(&Vec3::repeat(radius)),

@@ -1,4 +1,5 @@
-//! Bones of links: fixed links become part of their parents, chains of weightless ones become one joint.
+//! Bones of links: fixed links become part of their parents, chains of weightless ones become one
+//! joint.
 
 use super::super::plan::PlanJoint;
 use super::combine::combine;
@@ -13,7 +14,8 @@ pub(super) struct Bone {
     pub link: Settled,
     pub parent: Option<u32>,
     pub joint: Option<PlanJoint>,
-    /// Names of the hinges that the joint was made of, in order, and their angles of rest in the file \[rad\].
+    /// Names of the hinges that the joint was made of, in order, and their angles of rest in the
+    /// file \[rad\].
     pub hinges: Vec<(String, f64)>,
 }
 
@@ -53,7 +55,8 @@ pub(super) fn bones(
     Ok(bones.into_iter().filter_map(bone).collect())
 }
 
-/// Gives what fixed links have to their parents, and their children to them; tells which. True for the others.
+/// Gives what fixed links have to their parents, and their children to them; tells which. True for
+/// the others.
 fn merge_fixed(links: &mut [Settled], noun: &str, notes: &mut Vec<String>) -> Vec<bool> {
     let mut becomes: Vec<usize> = (0..links.len()).collect();
     let mut names = Vec::new();
@@ -80,7 +83,8 @@ fn merge_fixed(links: &mut [Settled], noun: &str, notes: &mut Vec<String>) -> Ve
     becomes.iter().enumerate().map(|(i, &to)| i == to).collect()
 }
 
-/// Marks links without mass and geometry that lie in a chain of hinges; others of that kind are errors.
+/// Marks links without mass and geometry that lie in a chain of hinges; others of that kind are
+/// errors.
 fn weightless(links: &[Settled], alive: &[bool], noun: &str) -> Result<Vec<bool>, RigError> {
     let mut children = vec![0_usize; links.len()];
     let mut on_hinges = vec![true; links.len()];

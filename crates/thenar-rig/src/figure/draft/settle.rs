@@ -31,7 +31,8 @@ pub(super) struct SettledJoint {
     pub rest: f64,
 }
 
-/// Places links in M, each hinge at the admissible angle nearest to zero; tells of those that are not at zero.
+/// Places links in M, each hinge at the admissible angle nearest to zero; tells of those that are
+/// not at zero.
 pub(super) fn settle(links: Vec<Link>, notes: &mut Vec<String>) -> Vec<Settled> {
     let mut settled: Vec<Settled> = Vec::with_capacity(links.len());
     for link in links {

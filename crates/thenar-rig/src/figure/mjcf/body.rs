@@ -138,8 +138,8 @@ fn link<'a>(
     Ok(link)
 }
 
-/// Gives a link its geoms: those that others touch, or all where there are none such. Their mass is taken where
-/// it is `counted`.
+/// Gives a link its geoms: those that others touch, or all where there are none such. Their mass is
+/// taken where it is `counted`.
 fn read_geoms<'a>(
     link: &mut Link,
     geoms: &[Place<'a>],

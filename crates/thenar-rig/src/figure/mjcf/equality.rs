@@ -6,7 +6,8 @@ use super::{Element, RigError};
 use std::collections::BTreeSet;
 use thenar_input::quoted;
 
-/// Joints that follow others, of all `<equality>` elements; tells of the constraints that are passed over.
+/// Joints that follow others, of all `<equality>` elements; tells of the constraints that are
+/// passed over.
 ///
 /// MuJoCo counts these angles from the placement in the file, as links do.
 pub(super) fn read(

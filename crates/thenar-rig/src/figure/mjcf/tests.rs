@@ -295,7 +295,8 @@ fn the_largest_body_is_the_figure_and_the_rest_is_told() {
     }
 }
 
-/// `b = 0.1 + a²` in the file, from its placement; coefficients that are left out are MuJoCo's. Other constraints are told.
+/// `b = 0.1 + a²` in the file, from its placement; coefficients that are left out are MuJoCo's.
+/// Other constraints are told.
 #[test]
 fn joints_follow_others_by_constraints() {
     let finger = |name: &str, joint: &str| format!("<body name='{name}'>{joint}{BALL}</body>");
@@ -330,7 +331,8 @@ fn joints_follow_others_by_constraints() {
     assert!(error.to_string().contains("at most 5 finite numbers"), "{error}");
 }
 
-/// A tetrahedron with legs of 100 from the corner (10, 0, 0), a quarter turn about z undone: x to -y.
+/// A tetrahedron with legs of 100 from the corner (10, 0, 0), a quarter turn about z undone: x to
+/// -y.
 #[test]
 fn meshes_are_found_changed_and_placed() {
     let folder = std::env::temp_dir().join(format!("thenar-mjcf-mesh-{}", std::process::id()));

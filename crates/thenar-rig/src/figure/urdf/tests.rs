@@ -135,7 +135,8 @@ fn fixed_links_become_parts_of_their_parents_by_steiner() {
 
 #[test]
 fn two_hinges_around_a_weightless_link_are_a_universal_joint() {
-    // Both axes pass through (0, 0, 1), though the second joint stands 0.3 m along its axis from there.
+    // Both axes pass through (0, 0, 1), though the second joint stands 0.3 m along its axis from
+    // there.
     let joints = joint(
         "revolute",
         "base",
@@ -207,8 +208,8 @@ fn a_floating_root_is_left_out_and_sections_are_told() {
     assert!(notes.contains("\"base\" and its floating joint \"to a\""), "{notes}");
 }
 
-/// In the file `b = 0.5 - 2 a`; `a` rests at 0.3 rad and `b` at 0, so that from the rest pose `b = -0.1 - 2 a`. `c` and `d`
-/// make one universal joint, whose second axis follows `b`.
+/// In the file `b = 0.5 - 2 a`; `a` rests at 0.3 rad and `b` at 0, so that from the rest pose
+/// `b = -0.1 - 2 a`. `c` and `d` make one universal joint, whose second axis follows `b`.
 #[test]
 fn mimics_follow_from_the_rest_pose() {
     let joints = joint("revolute", "base", "a", "<limit lower='0.3' upper='1'/>")

@@ -173,7 +173,8 @@ impl<'a> Tree<'a> {
         }))
     }
 
-    /// A cycle through which this link is reached: followed upwards as often as there are links, it is on it.
+    /// A cycle through which this link is reached: followed upwards as often as there are links, it
+    /// is on it.
     fn cycle_error(&self, mut link: usize) -> RigError {
         for _ in 0..self.links.len() {
             link = self.joint_of(link).map_or(link, |joint| joint.parent);

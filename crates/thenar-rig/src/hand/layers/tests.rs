@@ -21,7 +21,8 @@ fn options(layers: Vec<Layer>) -> HandOptions {
     }
 }
 
-/// Each element has the mean of what lies at the inside points in it, found one by one without bounds.
+/// Each element has the mean of what lies at the inside points in it, found one by one without
+/// bounds.
 #[test]
 fn an_element_has_the_mean_of_its_layers() {
     let layers = vec![

@@ -28,8 +28,9 @@ pub(in crate::hand) struct Found {
     pub side: Option<Side>,
 }
 
-/// The first of a finger's four numbered joints is a metacarpal when it lies within this part of the way from the
-/// wrist to the last. A metacarpal begins a third of the way to the knuckle, which lies halfway to the tip.
+/// The first of a finger's four numbered joints is a metacarpal when it lies within this part of
+/// the way from the wrist to the last. A metacarpal begins a third of the way to the knuckle, which
+/// lies halfway to the tip.
 const METACARPAL_REACH: f64 = 0.33;
 
 /// A hand as names tell it, digit by digit.
@@ -222,8 +223,8 @@ fn by_words(
     })
 }
 
-/// A chain whose names are those of bones. A thumb of proximal, intermediate and distal (VRM 0) begins at the
-/// metacarpal, as one of metacarpal, proximal and distal does.
+/// A chain whose names are those of bones. A thumb of proximal, intermediate and distal (VRM 0)
+/// begins at the metacarpal, as one of metacarpal, proximal and distal does.
 fn named(digit: Digit, bone: impl Fn(u8) -> Option<usize>, tip: Option<usize>) -> Option<Chain> {
     let [a, b, c] = moving_bones(digit, bone(0).is_some()).map(&bone);
     Some(Chain { metacarpal: metacarpal(digit, &bone), moving: [a?, b?, c?], tip })

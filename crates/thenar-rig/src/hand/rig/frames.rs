@@ -1,7 +1,9 @@
-//! Frames of the joints as WebXR has them (-z along the bone, +y out of the back of the hand), whatever axes a rig has.
+//! Frames of the joints as WebXR has them (-z along the bone, +y out of the back of the hand),
+//! whatever axes a rig has.
 //!
-//! A rig whose own axes are those keeps them. Of any other only the places of joints are used: the palm lies through
-//! wrist and knuckles, the index's side is the thumb's, and the side of the hand says which way its back is.
+//! A rig whose own axes are those keeps them. Of any other only the places of joints are used: the
+//! palm lies through wrist and knuckles, the index's side is the thumb's, and the side of the hand
+//! says which way its back is.
 
 use super::found::Found;
 use crate::RigError;
@@ -13,10 +15,11 @@ use thenar_core::{Mat3, Pose, Quat, Vec3};
 const ALONG_MIN: f64 = 0.707;
 /// Least bend towards the palm, of directions' parts along its normal, by which a side is told.
 const BEND_MIN: f64 = 0.08;
-/// Flexion axis of a right hand's thumb in the wrist's frame, where the thumb is too straight to say: the mean of the
-/// three joints of the WebXR generic hand.
+/// Flexion axis of a right hand's thumb in the wrist's frame, where the thumb is too straight to
+/// say: the mean of the three joints of the WebXR generic hand.
 const THUMB_AXIS: Vec3 = Vec3::new(0.0, -0.878, 0.479);
-/// Sines of the angles between a thumb's bones sum to at least this where their plane says about what it bends.
+/// Sines of the angles between a thumb's bones sum to at least this where their plane says about
+/// what it bends.
 const THUMB_BEND_MIN: f64 = 0.26;
 
 /// What the frames of a rig's joints are taken from.
@@ -78,8 +81,8 @@ impl Frames {
         }
     }
 
-    /// Rotations of the three moving joints of a digit in the wrist's frame M, whose places there are these, up to the
-    /// tip.
+    /// Rotations of the three moving joints of a digit in the wrist's frame M, whose places there
+    /// are these, up to the tip.
     pub fn moving(&self, thumb: bool, places: &[Vec3; 4], own: [Quat; 3]) -> [Quat; 3] {
         let Self::Places(_, side) = self else { return own };
         let along: [Vec3; 3] = std::array::from_fn(|k| (places[k + 1] - places[k]).normalize());
@@ -92,7 +95,8 @@ impl Frames {
     }
 }
 
-/// The axis about which a thumb closes: that of its own bend where it has one, if it bends to the palm's side.
+/// The axis about which a thumb closes: that of its own bend where it has one, if it bends to the
+/// palm's side.
 fn thumb_axis(along: &[Vec3; 3], side: Side) -> Vec3 {
     // An axis of rotation keeps its part along the normal of a mirror, and turns over the rest.
     let usual = match side {
@@ -120,7 +124,8 @@ fn has_own(found: &Found, joints: &[RigJoint]) -> bool {
         && thumb_faces_palm(found, joints, &joints[found.wrist].pose)
 }
 
-/// True if by the wrist's frame the thumb lies on the palm's side of the knuckles, or not clearly on any.
+/// True if by the wrist's frame the thumb lies on the palm's side of the knuckles, or not clearly
+/// on any.
 fn thumb_faces_palm(found: &Found, joints: &[RigJoint], wrist: &Pose) -> bool {
     let at = |k: usize| wrist.inverse_point(&joints[k].pose.position);
     let thumb = at(found.digits[0].moving[2]);
@@ -128,7 +133,8 @@ fn thumb_faces_palm(found: &Found, joints: &[RigJoint], wrist: &Pose) -> bool {
     thumb.y - knuckle.y * thumb.z / knuckle.z <= 0.3 * thumb.norm()
 }
 
-/// The side that a bend of the digits towards the palm says. The thumb says most: it stands before the palm.
+/// The side that a bend of the digits towards the palm says. The thumb says most: it stands before
+/// the palm.
 fn told_by_bend(found: &Found, joints: &[RigJoint], normal: &Vec3) -> Result<Side, RigError> {
     let along = |a: usize, b: usize| {
         let way = joints[b].pose.position - joints[a].pose.position;

@@ -15,7 +15,8 @@ pub struct ListedJoint {
     pub own: Option<String>,
     /// True if no hand is built without it.
     pub needed: bool,
-    /// Joints that may be a needed one that was not found: those that say that they are of its digit.
+    /// Joints that may be a needed one that was not found: those that say that they are of its
+    /// digit.
     pub like: Vec<String>,
 }
 
@@ -35,7 +36,8 @@ pub struct RigListing {
 /// Lists the joints of a skinned mesh (GLB) as those of a hand, whether they make one or not.
 ///
 /// # Errors
-/// When the file is damaged or holds no skinned mesh, the map names what is not there, or names contradict the side.
+/// When the file is damaged or holds no skinned mesh, the map names what is not there, or names
+/// contradict the side.
 pub fn rig_listing(
     bytes: &[u8],
     map: &NameMap,

@@ -11,8 +11,8 @@ use thenar_core::model::Digit;
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
-/// Where a metacarpal begins that a rig lacks: parts of the knuckle's place in the wrist's frame, aside and along, of
-/// index to little finger. Those of the WebXR generic hand.
+/// Where a metacarpal begins that a rig lacks: parts of the knuckle's place in the wrist's frame,
+/// aside and along, of index to little finger. Those of the WebXR generic hand.
 const METACARPAL_BASES: [[f64; 2]; 4] = [[0.43, 0.33], [0.43, 0.32], [0.46, 0.32], [0.66, 0.46]];
 
 /// A rig and how it is read.
@@ -44,8 +44,8 @@ impl<'a> Posed<'a> {
         }
     }
 
-    /// Poses of a digit's joints in M, from the metacarpal (of a thumb, the first that moves) to the tip. `surface` is
-    /// the hand's skin.
+    /// Poses of a digit's joints in M, from the metacarpal (of a thumb, the first that moves) to
+    /// the tip. `surface` is the hand's skin.
     ///
     /// # Errors
     /// Two joints lie at the same place.
@@ -102,7 +102,8 @@ impl<'a> Posed<'a> {
         Digit::FINGERS.iter().flat_map(of).collect()
     }
 
-    /// Errs if two joints of a digit in a row lie at the same place, or nearly; one that was made is none of the rig's.
+    /// Errs if two joints of a digit in a row lie at the same place, or nearly; one that was made
+    /// is none of the rig's.
     fn apart(
         &self,
         digit: Digit,

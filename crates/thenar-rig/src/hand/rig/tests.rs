@@ -1,6 +1,6 @@
-//! Goal: rigs of people and of hands from common tools are recognised whole. Method: lists of all names that bear on
-//! hands, of both sides, among other bones, in an order that says nothing; each joint must be the one that the tool
-//! means.
+//! Goal: rigs of people and of hands from common tools are recognised whole. Method: lists of all
+//! names that bear on hands, of both sides, among other bones, in an order that says nothing; each
+//! joint must be the one that the tool means.
 
 use super::{Found, find};
 use crate::glb::RigJoint;
@@ -14,8 +14,8 @@ type Named = (String, u32);
 /// Distances from the wrist of the joints of a digit, from the metacarpal to the tip.
 const FAR: [u32; 5] = [15, 50, 70, 85, 100];
 
-/// Names of one hand of a tool: of the wrist, of moving joint `k` (from 0) of digit `d` (the thumb's is 0), and of
-/// what else belongs to digits.
+/// Names of one hand of a tool: of the wrist, of moving joint `k` (from 0) of digit `d` (the
+/// thumb's is 0), and of what else belongs to digits.
 struct Tool {
     wrist: String,
     moving: Box<dyn Fn(usize, usize) -> String>,
@@ -160,7 +160,8 @@ fn rigify_s_metarig_and_its_layers_are_recognised() {
     }
 }
 
-/// A generated rig with everything in it: copies of the drawn bones are the hand, else what deforms.
+/// A generated rig with everything in it: copies of the drawn bones are the hand, else what
+/// deforms.
 #[test]
 fn of_a_generated_rigify_figure_one_layer_is_the_hand() {
     let mut handles: Vec<String> = Vec::new();
@@ -225,7 +226,8 @@ fn a_wrist_beside_prefixed_fingers_is_the_wrist() {
     }
 }
 
-/// Metacarpals counted to five beside named digits: the first is the thumb's, whatever its own joints are called.
+/// Metacarpals counted to five beside named digits: the first is the thumb's, whatever its own
+/// joints are called.
 #[test]
 fn numbered_metacarpals_go_with_named_digits() {
     let bones = ["proximal", "intermediate", "distal"];

@@ -1,8 +1,9 @@
 //! What the names of common rigs say: which digit, which joint of it, which side.
 //!
-//! Names are cut into words at signs, digits and capitals; what is no word of the tables says nothing. So are read the
-//! joints of WebXR and OpenXR, Oculus hands, VRM 0 and 1, Unity's humanoid, Mixamo, Unreal, MakeHuman's default and game
-//! rigs, Rigify, VRoid, Daz and 3ds Max bipeds.
+//! Names are cut into words at signs, digits and capitals; what is no word of the tables says
+//! nothing. So are read the joints of WebXR and OpenXR, Oculus hands, VRM 0 and 1, Unity's
+//! humanoid, Mixamo, Unreal, MakeHuman's default and game rigs, Rigify, VRoid, Daz and 3ds Max
+//! bipeds.
 
 use thenar_core::model::{Digit, Side};
 
@@ -50,8 +51,9 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Names without the number that exporters of scenes append to each of them (`RightHand_033`): numbers after a `_` at
-/// the end, if all of them differ, a hand's worth of names has them, and names differ without.
+/// Names without the number that exporters of scenes append to each of them (`RightHand_033`):
+/// numbers after a `_` at the end, if all of them differ, a hand's worth of names has them, and
+/// names differ without.
 pub(super) fn uncounted<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let names: Vec<&str> = names.collect();
     let count = |name: &&'a str| -> Option<(&'a str, &'a str)> {
@@ -78,12 +80,13 @@ pub(super) fn uncounted<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str
 /// Joints of a hand: a wrist and three of each digit.
 const JOINTS_MIN: usize = 16;
 
-/// First words of names that a control rig has several times, the better first: Rigify's copies of the bones that were drawn,
-/// one of each, then those that deform, of which older figures have two for one. Others of such a rig may be handles.
+/// First words of names that a control rig has several times, the better first: Rigify's copies of
+/// the bones that were drawn, one of each, then those that deform, of which older figures have two
+/// for one. Others of such a rig may be handles.
 const LAYERS: [&str; 2] = ["org", "def"];
 
-/// The first word of names that make a whole hand of a control rig, of this side if one is given: a wrist, and three
-/// joints of each digit.
+/// The first word of names that make a whole hand of a control rig, of this side if one is given: a
+/// wrist, and three joints of each digit.
 pub(super) fn layer(names: &[&str], thumbs: &Thumbs, wanted: Option<Side>) -> Option<&'static str> {
     let is_other = |name: &str| wanted.is_some_and(|w| side(name).is_some_and(|own| own != w));
     let is_whole = |layer: &&str| {
@@ -107,7 +110,8 @@ pub(super) fn is_of_layer(name: &str, layer: &str) -> bool {
     words(name).first().is_some_and(|word| word == layer)
 }
 
-/// Digits by their words. The middle one's are last: they also name the middle phalanx of the others.
+/// Digits by their words. The middle one's are last: they also name the middle phalanx of the
+/// others.
 const DIGITS: [(Digit, &[&str]); 5] = [
     (Digit::Thumb, &["thumb"]),
     (Digit::Index, &["index", "pointer", "forefinger"]),
@@ -129,8 +133,8 @@ fn one_of<T: Copy>(table: &[(T, &[&str])], words: &[String]) -> Option<T> {
     table.iter().find(|(_, of)| words.iter().any(|w| of.contains(&w.as_str()))).map(|(t, _)| *t)
 }
 
-/// Words that a finger's number follows in the place of its name: `Finger0`, `Finger01` of 3ds Max and `finger1-1` of
-/// MakeHuman, Rigify's `palm.01`, MakeHuman's `metacarpal1`.
+/// Words that a finger's number follows in the place of its name: `Finger0`, `Finger01` of 3ds Max
+/// and `finger1-1` of MakeHuman, Rigify's `palm.01`, MakeHuman's `metacarpal1`.
 const NUMBERED: [&str; 3] = ["finger", "palm", "metacarpal"];
 
 /// The thumb's number after each word of [`NUMBERED`]: 0, or 1 in rigs that count five digits to 5.
@@ -181,7 +185,8 @@ pub(super) fn said(name: &str, thumbs: &Thumbs) -> Said {
             _ => Said::Nothing,
         };
     };
-    // The first of five numbered metacarpals is the thumb's, before joints that may have numbers themselves.
+    // The first of five numbered metacarpals is the thumb's, before joints that may have numbers
+    // themselves.
     let counted = by_number && digit == Digit::Thumb;
     let bone = one_of(&BONES, &words).filter(|_| !counted).or_else(|| {
         let last_of_thumb = digit == Digit::Thumb && has("ip");
@@ -200,7 +205,8 @@ pub(super) fn said(name: &str, thumbs: &Thumbs) -> Said {
     Said::Of(digit, place)
 }
 
-/// Place of a word for the side among these, if a digit and its number stand before it, as in `f_index.02.L`.
+/// Place of a word for the side among these, if a digit and its number stand before it, as in
+/// `f_index.02.L`.
 fn side_after_number(words: &[String]) -> Option<usize> {
     let at = words.iter().rposition(|w| ["l", "r", "left", "right"].contains(&w.as_str()))?;
     let (number, before) = words[..at].split_last()?;
@@ -214,7 +220,8 @@ fn number_before_side(words: &[String]) -> Option<u32> {
     words[side_after_number(words)? - 1].parse().ok()
 }
 
-/// True of the second part, and others after it, of a bone that older figures of Rigify cut: `DEF-f_index.01.L.02`.
+/// True of the second part, and others after it, of a bone that older figures of Rigify cut:
+/// `DEF-f_index.01.L.02`.
 fn is_second_part(words: &[String]) -> bool {
     let part = side_after_number(words).and_then(|at| words.get(at + 1)?.parse::<u32>().ok());
     part.is_some_and(|part| part >= 2)
@@ -229,8 +236,8 @@ fn numbered(words: &[String], thumbs: &Thumbs) -> Option<(Digit, u32)> {
     is.then_some((digit, joint))
 }
 
-/// Index of the word of [`NUMBERED`] that a name has, and the numbers after it: of a finger and of a joint. A metacarpal's,
-/// which lies before all that is numbered along the finger, is 0.
+/// Index of the word of [`NUMBERED`] that a name has, and the numbers after it: of a finger and of
+/// a joint. A metacarpal's, which lies before all that is numbered along the finger, is 0.
 fn numbers(words: &[String], thumbs: &Thumbs) -> Option<(usize, [u32; 2])> {
     let number = |at: usize| words.get(at).filter(|w| w.bytes().all(|b| b.is_ascii_digit()));
     let (kind, at, own) = (0..).zip(NUMBERED).find_map(|(kind, word)| {

@@ -1,5 +1,5 @@
-//! Goal: a conforming mesh of well-shaped tetrahedra over a tree of four sizes. Method: places all over it find
-//! all tetrahedra; what volumes, faces and angles must be is known from geometry.
+//! Goal: a conforming mesh of well-shaped tetrahedra over a tree of four sizes. Method: places all
+//! over it find all tetrahedra; what volumes, faces and angles must be is known from geometry.
 
 use super::*;
 use crate::lattice::tet;
@@ -60,8 +60,8 @@ fn all_four_kinds_are_there_with_their_volumes_and_angles() {
     }
 }
 
-/// All tetrahedra together fill space without overlap or hanging node: a face within the box is that of exactly
-/// two, and theirs is its volume.
+/// All tetrahedra together fill space without overlap or hanging node: a face within the box is
+/// that of exactly two, and theirs is its volume.
 #[test]
 fn the_mesh_conforms() {
     let graded = graded();

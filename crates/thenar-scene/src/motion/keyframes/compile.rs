@@ -13,7 +13,8 @@ use thenar_track::{Anatomy, Articulation, JointRole};
 /// Part of the way to a fist after which the thumb, aside until then, comes over the fingers.
 const THUMB_LAST: f64 = 0.75;
 
-/// A pad that ends farther from its place is short of it \[m\]: as far as skin gives way under a light touch.
+/// A pad that ends farther from its place is short of it \[m\]: as far as skin gives way under a
+/// light touch.
 const SHORT: f64 = 1e-3;
 
 fn bad_key(k: usize, key: &Key, cause: String) -> MotionError {
@@ -216,8 +217,8 @@ impl<'a> Compiler<'a> {
         Ok(())
     }
 
-    /// Leads the thumb aside on its way over bent fingers, until they have bent, and on its way from there. A thumb whose
-    /// angles a key names goes its own way.
+    /// Leads the thumb aside on its way over bent fingers, until they have bent, and on its way
+    /// from there. A thumb whose angles a key names goes its own way.
     fn thumb_aside(&mut self, key: &Key, wanted: &[[Option<f64>; 2]]) {
         let thumb: Vec<usize> = self.anatomy.joints_of(Digit::Thumb).collect();
         let mut named = key.joints.keys().filter_map(|name| self.anatomy.find(name));

@@ -19,8 +19,8 @@ pub struct KeyframesDesc {
     pub key: Vec<Key>,
 }
 
-/// What to do with a joint angle that `joints` puts out of range. Shapes and curls are clamped, but for a fist,
-/// which is squeezed against the ends of its joints.
+/// What to do with a joint angle that `joints` puts out of range. Shapes and curls are clamped, but
+/// for a fist, which is squeezed against the ends of its joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LimitPolicy {

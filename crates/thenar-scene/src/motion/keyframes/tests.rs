@@ -191,8 +191,8 @@ fn damaged_files_are_read_or_refused_but_never_harm() {
     assert!(made > 100 && refused > 500, "{made} {refused}");
 }
 
-/// Fingers bend before the thumb lies over them, and it is off them before they straighten; from a fist to a pointing
-/// hand, too. A thumb that a key names itself goes straight there.
+/// Fingers bend before the thumb lies over them, and it is off them before they straighten; from a
+/// fist to a pointing hand, too. A thumb that a key names itself goes straight there.
 #[test]
 fn a_thumb_goes_aside_where_fingers_pass() {
     let text = |own: &str| {
@@ -249,7 +249,8 @@ fn a_thumb_goes_aside_where_fingers_pass() {
     assert!(thumb(&mut own, 0.75) > 15.0 && (thumb(&mut own, 2.5) - 30.0).abs() < 1e-6);
 }
 
-/// Pads are where a key wants them at its time, wherever the wrist has gone; what is out of reach is refused, or told.
+/// Pads are where a key wants them at its time, wherever the wrist has gone; what is out of reach
+/// is refused, or told.
 #[test]
 fn fingertips_come_to_their_places() {
     let text = |place: &str| {

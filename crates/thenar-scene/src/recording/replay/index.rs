@@ -83,7 +83,8 @@ impl Index {
         times
     }
 
-    /// The last scene that begins before `seconds`, or the first, and its last keyframe before then.
+    /// The last scene that begins before `seconds`, or the first, and its last keyframe before
+    /// then.
     pub(super) fn before(&self, seconds: f64) -> Option<(&Mark, Option<&Mark>)> {
         let early = |mark: &&Mark| mark.time_ns as f64 * 1e-9 <= seconds;
         let scene = self.scenes.iter().rev().find(early).or(self.scenes.first())?;

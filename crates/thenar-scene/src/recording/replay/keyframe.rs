@@ -14,8 +14,8 @@ pub fn put(session: &mut Session, keyframe: &Keyframe) -> bool {
     }
 }
 
-/// True when a keyframe is not the state whose hash the mark before it has, of this number: both were written
-/// at once.
+/// True when a keyframe is not the state whose hash the mark before it has, of this number: both
+/// were written at once.
 pub fn is_forged(keyframe: &Keyframe, mark: Option<(u64, u64)>) -> bool {
     let own = mark.filter(|(number, _)| *number == keyframe.number);
     own.is_some_and(|(_, hash)| hash != keyframe.state.hash())

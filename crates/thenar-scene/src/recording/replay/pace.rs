@@ -1,9 +1,9 @@
-//! Whether a frame can have the number and the time that it carries. Checksums tell what a disk has done
-//! to a file; this tells what somebody has written into one, checksums included.
+//! Whether a frame can have the number and the time that it carries. Checksums tell what a disk has
+//! done to a file; this tells what somebody has written into one, checksums included.
 //!
-//! Simulated time is the sum of the steps' times, so that every time in a run as fast as it can be is
-//! known beforehand. By a clock on the wall times rise, and a frame that leaps ahead of those behind
-//! it is found by looking at these.
+//! Simulated time is the sum of the steps' times, so that every time in a run as fast as it can be
+//! is known beforehand. By a clock on the wall times rise, and a frame that leaps ahead of those
+//! behind it is found by looking at these.
 
 use super::item::Item;
 use super::trust::Trust;
@@ -11,8 +11,8 @@ use super::{Replay, ReplayError};
 use std::io::{self, Read, Seek};
 use thenar_record::{Frame, FrameKind, Frames};
 
-/// More steps than this are not made without a mark: at 1 kHz a disk that stands still for a quarter
-/// of an hour.
+/// More steps than this are not made without a mark: at 1 kHz a disk that stands still for a
+/// quarter of an hour.
 pub const UNMARKED_MAX: u64 = 1_000_000;
 /// No step is shorter, by either clock: the least time step of a scene \[ns\].
 const STEP_NS_MIN: u64 = 100;

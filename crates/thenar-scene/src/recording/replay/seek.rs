@@ -24,8 +24,8 @@ impl Replay {
     }
 
     /// Goes to the last keyframe before `seconds`, or to the beginning of its scene when there is
-    /// none: the session is as it was there. What comes next is told as after opening, the scene and
-    /// its channels first; the verdict begins anew. Returns the time \[s\].
+    /// none: the session is as it was there. What comes next is told as after opening, the scene
+    /// and its channels first; the verdict begins anew. Returns the time \[s\].
     ///
     /// # Errors
     /// The recording cannot be read, or its scene cannot be built.

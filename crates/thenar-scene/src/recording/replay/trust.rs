@@ -14,8 +14,8 @@ const DOUBTED_MAX: u64 = 100;
 pub enum Trust {
     /// As far as is known.
     Sound,
-    /// Something is missing, of the session or of a channel only. So many steps were made since: the
-    /// hash after one of them tells.
+    /// Something is missing, of the session or of a channel only. So many steps were made since:
+    /// the hash after one of them tells.
     Doubtful(u64),
     /// Something of the session is missing: steps are passed over up to a keyframe.
     Lost,

@@ -1,6 +1,7 @@
-//! Goal: plates of which no corner lies over the other's face are held by their edges. Method: a plate of 60 x 90 mm that is
-//! fixed, and one of 90 x 60 mm across it, as meshes of twelve triangles, as boxes, or one of each: laid down a little
-//! askew it comes to rest on all four crossings, as high as it is thick and level; thrown, it does not pass.
+//! Goal: plates of which no corner lies over the other's face are held by their edges. Method: a
+//! plate of 60 x 90 mm that is fixed, and one of 90 x 60 mm across it, as meshes of twelve
+//! triangles, as boxes, or one of each: laid down a little askew it comes to rest on all four
+//! crossings, as high as it is thick and level; thrown, it does not pass.
 
 use std::path::PathBuf;
 use thenar_scene::session::Session;
@@ -32,7 +33,8 @@ struct Case {
     meshes: [bool; 2],
     thickness: f64,
     h: f64,
-    /// Clearance between the plates' middles less a thickness \[m\], tilt \[degrees\] and speed downwards \[m/s\].
+    /// Clearance between the plates' middles less a thickness \[m\], tilt \[degrees\] and speed
+    /// downwards \[m/s\].
     above: f64,
     tilt_deg: f64,
     speed: f64,
@@ -120,7 +122,8 @@ fn plates_laid_across_each_other_rest_on_their_edges() {
     }
 }
 
-/// From 20 mm above, and thrown: nothing goes through, though a step is up to five thicknesses long.
+/// From 20 mm above, and thrown: nothing goes through, though a step is up to five thicknesses
+/// long.
 #[test]
 fn plates_thrown_across_each_other_do_not_pass() {
     let case = |meshes, thickness, h, above, tilt_deg, speed| Case {
@@ -139,7 +142,8 @@ fn plates_thrown_across_each_other_do_not_pass() {
         }
         cases.push(case(meshes, 0.0004, 1e-3, 0.06, 35.0, 1.0));
         cases.push(case(meshes, 0.0008, 1e-3, 0.06, 35.0, 1.0));
-        // Far from level: what turns level within a step, and farther than it is thick, is looked at on its way.
+        // Far from level: what turns level within a step, and farther than it is thick, is looked
+        // at on its way.
         for (thickness, h) in
             [(0.0008, 5e-3), (0.003, 5e-3), (0.003, 1.0 / 60.0), (0.006, 1.0 / 60.0)]
         {

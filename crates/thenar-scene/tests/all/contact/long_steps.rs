@@ -1,5 +1,6 @@
-//! Goal: at 60 Hz joints of a hand stay closed and nothing gains energy. Method: a fist clenched in the air, and a
-//! free hand that lands on a table, at several speeds, steps, heights and tilts, against the balance of energy.
+//! Goal: at 60 Hz joints of a hand stay closed and nothing gains energy. Method: a fist clenched in
+//! the air, and a free hand that lands on a table, at several speeds, steps, heights and tilts,
+//! against the balance of energy.
 
 use std::path::Path;
 use thenar_scene::session::{Session, read};

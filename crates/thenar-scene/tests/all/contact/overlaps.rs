@@ -1,6 +1,6 @@
-//! Goal: what a scene starts inside each other is told when it is opened: pair, depth and place. Method: bodies
-//! put so deep into each other that geometry gives the answer, and two hands about a ball above a
-//! table that one little finger reaches.
+//! Goal: what a scene starts inside each other is told when it is opened: pair, depth and place.
+//! Method: bodies put so deep into each other that geometry gives the answer, and two hands about a
+//! ball above a table that one little finger reaches.
 
 use std::path::Path;
 use thenar_scene::session::{Session, StartOverlap, builtins};
@@ -94,8 +94,8 @@ fn the_deepest_pair_comes_first() {
     assert!((told[1].depth - 0.003).abs() < 1e-9 && told[1].bodies.contains(&"ball".into()));
 }
 
-/// Open hands on both sides of a ball, thumbs up; the larger one's little finger reaches below the table's
-/// surface.
+/// Open hands on both sides of a ball, thumbs up; the larger one's little finger reaches below the
+/// table's surface.
 #[test]
 fn a_finger_in_a_table_is_named() {
     let hand = |name: &str, model: &str, length: f64, side: f64| {

@@ -1,5 +1,6 @@
-//! Goal: what is told of soft bodies that touch agrees with itself: no finger bears its load on less skin than the peak pressure says.
-//! Method: a grasp and a fist that ship, step by step; means of the read-out of loads beside peaks of vertices.
+//! Goal: what is told of soft bodies that touch agrees with itself: no finger bears its load on
+//! less skin than the peak pressure says. Method: a grasp and a fist that ship, step by step; means
+//! of the read-out of loads beside peaks of vertices.
 
 use thenar_core::readout::ContactReadout;
 use thenar_scene::session::{Session, builtin};

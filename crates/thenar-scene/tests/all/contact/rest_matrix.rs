@@ -1,11 +1,12 @@
-//! Goal: whatever is set down stays where it is, and its force with it. Method: every rigid shape on
-//! every support at three steps, at five places and tilts; after half a second it neither travels nor
-//! moves nor overlaps by more than 0.05 mm, its force is steady from step to step, the forces of its contacts balance its
-//! weight where they act, and nothing has put energy in. Of a hand, a finger is driven down on what lies on a column, and held there.
+//! Goal: whatever is set down stays where it is, and its force with it. Method: every rigid shape
+//! on every support at three steps, at five places and tilts; after half a second it neither
+//! travels nor moves nor overlaps by more than 0.05 mm, its force is steady from step to step, the
+//! forces of its contacts balance its weight where they act, and nothing has put energy in. Of a
+//! hand, a finger is driven down on what lies on a column, and held there.
 //!
-//! A fixed eleventh of the cases runs here, and half of that where a case takes seconds. All of them:
-//! `THENAR_CASES=all cargo test -p thenar-scene --test all rest_matrix -- --nocapture`; with another text, those whose
-//! names contain it. The scenes of cases that fail are kept, and named.
+//! A fixed eleventh of the cases runs here, and half of that where a case takes seconds. All of
+//! them: `THENAR_CASES=all cargo test -p thenar-scene --test all rest_matrix -- --nocapture`; with
+//! another text, those whose names contain it. The scenes of cases that fail are kept, and named.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -127,7 +128,8 @@ fn bars() -> String {
     )
 }
 
-/// A board, lighter than some and heavier than others, that lies on two rollers that lie in grooves.
+/// A board, lighter than some and heavier than others, that lies on two rollers that lie in
+/// grooves.
 const STACK: &str = r#"
 [[rigid]]
 name = "support"
@@ -214,7 +216,8 @@ fn cases() -> Vec<Case> {
 }
 
 fn scene(thing: &Thing, below: &str, h: f64, (place, spin, tilt): ([f64; 2], f64, f64)) -> String {
-    // What rolls is held against turning, as if by a heavy flywheel: one that a finger's 10 mN m turn by 1e-4 rad/s in a second.
+    // What rolls is held against turning, as if by a heavy flywheel: one that a finger's 10 mN m
+    // turn by 1e-4 rad/s in a second.
     let inertia = if thing.rolls { "inertia = [100, 100, 100]\n" } else { "" };
     // Tilted about x, the lower edge just clears what is below.
     let raised = 0.03 * tilt.to_radians().sin();
@@ -244,8 +247,8 @@ fn scene(thing: &Thing, below: &str, h: f64, (place, spin, tilt): ([f64; 2], f64
     text
 }
 
-/// The index finger of a hand is driven down on what lies level on a column, a little off its middle; the hand
-/// is turned about the vertical and tilted.
+/// The index finger of a hand is driven down on what lies level on a column, a little off its
+/// middle; the hand is turned about the vertical and tilted.
 fn pressed(
     thing: &Thing,
     below: &str,
@@ -359,8 +362,9 @@ fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 /// The speed of what turns is that at this distance \[m\]: most things reach no farther.
 const SIZE: f64 = 0.025;
 
-/// How far a body's contacts are from carrying its weight at rest: the force left over, and its torque about the centre
-/// of mass at [`SIZE`] where contacts alone hold it against turning, as parts of all that presses it.
+/// How far a body's contacts are from carrying its weight at rest: the force left over, and its
+/// torque about the centre of mass at [`SIZE`] where contacts alone hold it against turning, as
+/// parts of all that presses it.
 fn imbalance(session: &Session, body: u32, turns: bool) -> f64 {
     let world = session.world();
     let weight = world.desc().gravity * world.desc().rigids[body as usize].mass;
@@ -441,11 +445,12 @@ fn judge(case: &Case, folder: &std::path::Path) -> Option<String> {
     })
 }
 
-/// Cases that failed where a contact came or went by round-off, where the direction of an edge did (tin and
-/// mug), where the only place of a triangle wandered under a flat body (pebble and ball) or along a rim with
-/// the triangle that rocked on it (tin and mug), where an overlap of nanometres was undone at once and the body fell
-/// back (pill and pebble), and where impulses stayed within the solver's tolerance until they jumped (mesh ball and
-/// rod: of a body that rests by its weight `10 µm/s / (g h)`, 0.1 % at 1 ms).
+/// Cases that failed where a contact came or went by round-off, where the direction of an edge did
+/// (tin and mug), where the only place of a triangle wandered under a flat body (pebble and ball)
+/// or along a rim with the triangle that rocked on it (tin and mug), where an overlap of nanometres
+/// was undone at once and the body fell back (pill and pebble), and where impulses stayed within
+/// the solver's tolerance until they jumped (mesh ball and rod: of a body that rests by its weight
+/// `10 µm/s / (g h)`, 0.1 % at 1 ms).
 const HARD: [&str; 12] = [
     "cube 10 on paper's hand, h 0.0010, at [0.0, 0.0]",
     "slab on mesh fine, h 0.0167, at [0.0, 0.0]",
@@ -464,8 +469,8 @@ const HARD: [&str; 12] = [
 #[test]
 fn what_is_set_down_stays() {
     let wanted = thenar_testing::cases_wanted();
-    // An eleventh that meets every thing, support, step and place: 11 is coprime to their numbers. So is 22 to those of
-    // things, steps and places, of which each support has all.
+    // An eleventh that meets every thing, support, step and place: 11 is coprime to their numbers.
+    // So is 22 to those of things, steps and places, of which each support has all.
     let chosen: Vec<Case> = cases()
         .into_iter()
         .enumerate()

@@ -1,6 +1,7 @@
-//! Goal: a hand at rest on something round presses it with the same force in every step. Method: the
-//! default hand, and the paper's (on a ball, and alone at 1 ms and on meshes), come down on a fixed body, a finger here and
-//! a palm there, and after they have come to rest the force of each finger is compared from step to step.
+//! Goal: a hand at rest on something round presses it with the same force in every step. Method:
+//! the default hand, and the paper's (on a ball, and alone at 1 ms and on meshes), come down on a
+//! fixed body, a finger here and a palm there, and after they have come to rest the force of each
+//! finger is compared from step to step.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -97,8 +98,8 @@ fn rests_quietly(presets: &[&str], shape: &str, reach: f64, steps: &[f64]) {
     }
 }
 
-/// A mesh of rings about y, in a file, from its outline: distance from the axis and height \[m\], from the top
-/// down.
+/// A mesh of rings about y, in a file, from its outline: distance from the axis and height \[m\],
+/// from the top down.
 fn mesh(name: &str, outline: &[(f64, f64)], stretch: f64) -> String {
     const AROUND: usize = 48;
     let mut text = String::new();

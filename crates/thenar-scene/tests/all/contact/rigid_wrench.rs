@@ -1,7 +1,8 @@
-//! Goal: in slow motion the net force and torque between two rigid bodies follow position without flicker. Method: an arm
-//! that turns about a hinge, as a record player's, rests with its tip on a body that is moved under it at 20 mm/s, at 1 ms
-//! steps. Expected from statics: the weight's moment about the hinge is that of what presses on the tip, within what it
-//! takes to turn the arm; less than 0.5 % of the force is above 50 Hz, and half the speed halves the largest change of
+//! Goal: in slow motion the net force and torque between two rigid bodies follow position without
+//! flicker. Method: an arm that turns about a hinge, as a record player's, rests with its tip on a
+//! body that is moved under it at 20 mm/s, at 1 ms steps. Expected from statics: the weight's
+//! moment about the hinge is that of what presses on the tip, within what it takes to turn the arm;
+//! less than 0.5 % of the force is above 50 Hz, and half the speed halves the largest change of
 //! force and torque in a step.
 
 use super::force_spectrum::{above_50_hz, largest_change};
@@ -175,8 +176,8 @@ fn check(tip: Tip<'_>, below: &str, top: f64, seen: Vec3) {
     check_changes(tip, below, top, Some(seen));
 }
 
-/// Where faces lie on each other, rigid bodies leave open where between them they press, and so with which lever: only
-/// with `seen` are changes looked at.
+/// Where faces lie on each other, rigid bodies leave open where between them they press, and so
+/// with which lever: only with `seen` are changes looked at.
 fn check_changes(tip: Tip<'_>, below: &str, top: f64, seen: Option<Vec3>) {
     for way in [Vec3::x() * WAY, Vec3::z() * WAY, Vec3::new(0.6, 0.0, -0.8) * WAY] {
         let case = format!("{} on {below}, along {way:?}", tip.0);
@@ -222,8 +223,9 @@ fn tips_are_drawn_over_a_plate() {
     }
 }
 
-/// Level triangles are one plane, whatever is drawn over them. What touches along a line stands on as many places as there are
-/// triangles, and the hinge bears whatever torque they leave about the other axes.
+/// Level triangles are one plane, whatever is drawn over them. What touches along a line stands on
+/// as many places as there are triangles, and the hinge bears whatever torque they leave about the
+/// other axes.
 #[test]
 fn tips_are_drawn_over_plates_of_triangles() {
     for cells in [1, 9] {
@@ -257,8 +259,8 @@ fn stl(name: &str, mesh: &thenar_rig::TriMesh) -> String {
     format!("{{ kind = \"mesh\", file = {path:?} }}")
 }
 
-/// Level triangles beside a flat body are no step in its way, nor are the vertices under its own: on flat faces, on what is
-/// composed, and on what is made of triangles itself.
+/// Level triangles beside a flat body are no step in its way, nor are the vertices under its own:
+/// on flat faces, on what is composed, and on what is made of triangles itself.
 #[test]
 fn flat_composed_and_meshed_tips_are_drawn_over_plates() {
     let dumbbell = r#"{ kind = "compound", parts = [
@@ -291,8 +293,9 @@ fn flat_composed_and_meshed_tips_are_drawn_over_plates() {
     }
 }
 
-/// Where its path bends with the faces below, a tip turns within a step, and what turns it adds to its weight; in between
-/// nothing else does, be it smooth, sharp or pointed: edges between vertices hold it.
+/// Where its path bends with the faces below, a tip turns within a step, and what turns it adds to
+/// its weight; in between nothing else does, be it smooth, sharp or pointed: edges between vertices
+/// hold it.
 #[test]
 fn tips_are_drawn_over_a_ball_of_triangles() {
     let mesh = shapes::sphere(0.06, 24);

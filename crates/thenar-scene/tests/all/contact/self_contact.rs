@@ -29,9 +29,10 @@ fn winding(session: &Session, p: &Vec3) -> f64 {
     triangles.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
 }
 
-/// How many points on the skin of these digits within `reach` of one of the `places` \[m\] are deeper than `depth`
-/// \[m\] in other flesh than their own: so far below the skin the surface winds around them once more. Farther off are the
-/// creases of bent joints, where skin of one digit meets itself.
+/// How many points on the skin of these digits within `reach` of one of the `places` \[m\] are
+/// deeper than `depth` \[m\] in other flesh than their own: so far below the skin the surface winds
+/// around them once more. Farther off are the creases of bent joints, where skin of one digit meets
+/// itself.
 fn buried(session: &Session, digits: &[Digit], places: &[Vec3], reach: f64, depth: f64) -> usize {
     let x = session.world().collision_vertices(0);
     let of = &session.hands()[0].model.collision_digits;
@@ -110,8 +111,8 @@ fn thumb_and_index_pinch() {
     assert!(buried(&ghost, &pair, &places, PAD, 3e-4) > 2);
 }
 
-/// A fist is held for five seconds: it comes to rest and gains no energy. Crowded skin of the finer hand still trembles
-/// with a millionth of what the fist stores.
+/// A fist is held for five seconds: it comes to rest and gains no energy. Crowded skin of the finer
+/// hand still trembles with a millionth of what the fist stores.
 #[test]
 fn a_fist_rests() {
     rests("paper", 1e-9);
@@ -145,8 +146,8 @@ fn rests(preset: &str, kinetic_max: f64) {
     assert!(held < through, "{held} of {through}");
 }
 
-/// Each finger presses on the palm, and the thumb on index and middle finger: a fist of any side and size, with forces of a
-/// hand at ease.
+/// Each finger presses on the palm, and the thumb on index and middle finger: a fist of any side
+/// and size, with forces of a hand at ease.
 #[test]
 fn a_fist_closes_on_the_palm_and_the_thumb_over_it() {
     for changes in [["model=right", "length=0.19"], ["model=left", "length=0.17"]] {

@@ -1,5 +1,6 @@
-//! Goal: a body that tumbles over a table meets the law of contact in every step, however its contacts share a
-//! slide. Method: the shipped car thrown at random; the solver's own measure of what the law is missed by.
+//! Goal: a body that tumbles over a table meets the law of contact in every step, however its
+//! contacts share a slide. Method: the shipped car thrown at random; the solver's own measure of
+//! what the law is missed by.
 
 use std::path::Path;
 use thenar_scene::session::{Random, Session};

@@ -1,7 +1,8 @@
-//! Goal: flesh hangs on bone as firmly as it should, in hands of all sizes and moduli, at all steps. Method: an
-//! index pad is pressed on a plate, and what the bone's nodes yield is compared with what the pad sinks; by
-//! dimensional analysis a hand of another length L and modulus E does the same under forces of E L². Flesh that
-//! was pulled off its bones comes back without a gain of energy.
+//! Goal: flesh hangs on bone as firmly as it should, in hands of all sizes and moduli, at all
+//! steps. Method: an index pad is pressed on a plate, and what the bone's nodes yield is compared
+//! with what the pad sinks; by dimensional analysis a hand of another length L and modulus E does
+//! the same under forces of E L². Flesh that was pulled off its bones comes back without a gain of
+//! energy.
 
 use std::path::Path;
 use thenar_core::Vec3;
@@ -55,8 +56,9 @@ bodies = ["hand", "plate"]
     )
 }
 
-/// Where a force of 10 N on the shipped hand leads, in parts of the hand's length: how far the plate has moved since it
-/// touched, and the mean stretch of the springs that hold the flesh to the tip's bone.
+/// Where a force of 10 N on the shipped hand leads, in parts of the hand's length: how far the
+/// plate has moved since it touched, and the mean stretch of the springs that hold the flesh to the
+/// tip's bone.
 fn press(s: f64, young: f64) -> [f64; 2] {
     let mut session = open(&press_scene(s, young), &[]);
     let force = 10.0 * young / 50e3 * s * s;
@@ -79,7 +81,8 @@ fn press(s: f64, young: f64) -> [f64; 2] {
     panic!("the plate never pressed with {force} N");
 }
 
-/// Mean distance of the nodes in the tip's bone from where the bone holds them, by the volume of bone \[m\].
+/// Mean distance of the nodes in the tip's bone from where the bone holds them, by the volume of
+/// bone \[m\].
 fn stretch(session: &Session) -> f64 {
     let (world, hand) = (session.world(), &session.hands()[0]);
     let soft = hand.flesh().unwrap();
@@ -144,7 +147,8 @@ fn flesh_comes_back_to_its_bones_without_a_gain_of_energy() {
     }
 }
 
-/// At 1 ms; at coarser steps the two-step scheme gains energy with springs as stiff as these (docs/two-step.md).
+/// At 1 ms; at coarser steps the two-step scheme gains energy with springs as stiff as these
+/// (docs/two-step.md).
 #[test]
 fn so_it_does_with_the_two_step_scheme_at_1_ms() {
     comes_back("two-step", 1e-3);

@@ -1,7 +1,7 @@
-//! Goal: a scene chooses whether bones are solid, and what a bone bears is its finger's. Method: a hand
-//! lies on a floor under a weight of 200 kg, which its flesh alone cannot bear; loads are summed up
-//! from the contacts of the world. Of fingers that are driven through each other the distance of the bones' axes
-//! is computed here.
+//! Goal: a scene chooses whether bones are solid, and what a bone bears is its finger's. Method: a
+//! hand lies on a floor under a weight of 200 kg, which its flesh alone cannot bear; loads are
+//! summed up from the contacts of the world. Of fingers that are driven through each other the
+//! distance of the bones' axes is computed here.
 
 use std::path::Path;
 use thenar_core::Vec3;
@@ -93,7 +93,8 @@ fn capsules(session: &Session, name: &str) -> (Vec<[Vec3; 2]>, f64) {
     (lines.collect(), thickness)
 }
 
-/// Least distance of two segments, by parts of a hundredth of their lengths and once more around the best.
+/// Least distance of two segments, by parts of a hundredth of their lengths and once more around
+/// the best.
 fn distance(a: &[Vec3; 2], b: &[Vec3; 2]) -> f64 {
     let at = |s: &[Vec3; 2], t: f64| s[0] + (s[1] - s[0]) * t.clamp(0.0, 1.0);
     let around = |s0: f64, t0: f64, part: f64| {
@@ -105,8 +106,8 @@ fn distance(a: &[Vec3; 2], b: &[Vec3; 2]) -> f64 {
     around(s, t, 5e-5).expect("a place").0
 }
 
-/// A thumb and an index finger whose targets lie beyond each other: flesh is crushed between the bones, which do
-/// not pass.
+/// A thumb and an index finger whose targets lie beyond each other: flesh is crushed between the
+/// bones, which do not pass.
 #[test]
 fn bones_of_two_fingers_do_not_pass_each_other() {
     for h in [0.001, 0.005, 1.0 / 60.0] {

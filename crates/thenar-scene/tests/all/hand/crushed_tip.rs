@@ -1,7 +1,8 @@
-//! Goal: bones are solid where the flesh of the default hand is crushed. Method: the tip of its index finger lies between
-//! two steel plates, of which one is fixed and the other kept level by a large inertia; 200 N press that one down, and
-//! let go. Expected from geometry and statics: the plates come no nearer than the bone is thick, both bear the
-//! load, no element stays inverted and the tip is as thick afterwards as before.
+//! Goal: bones are solid where the flesh of the default hand is crushed. Method: the tip of its
+//! index finger lies between two steel plates, of which one is fixed and the other kept level by a
+//! large inertia; 200 N press that one down, and let go. Expected from geometry and statics: the
+//! plates come no nearer than the bone is thick, both bear the load, no element stays inverted and
+//! the tip is as thick afterwards as before.
 
 use std::path::Path;
 use thenar_core::model::{BodyId, Digit};

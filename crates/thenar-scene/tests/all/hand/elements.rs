@@ -41,9 +41,9 @@ total = [0, -0.004, 0]
     -(top + bottom) / 2.0
 }
 
-/// Hexahedra of 27 nodes give 1.016 mm, Timoshenko's cantilever with κ = 5/6 1.031 mm. Patches come nearer to it
-/// than tetrahedra, whatever the cells are cut into, and are never softer. The six tetrahedra of a cell are
-/// two patches.
+/// Hexahedra of 27 nodes give 1.016 mm, Timoshenko's cantilever with κ = 5/6 1.031 mm. Patches come
+/// nearer to it than tetrahedra, whatever the cells are cut into, and are never softer. The six
+/// tetrahedra of a cell are two patches.
 #[test]
 fn a_bar_of_two_cells_bends_farther_with_patches_and_no_farther_than_theory_says() {
     for split in ["kuhn", "five"] {

@@ -1,7 +1,8 @@
-//! Goal: the area that is reported of a finger is that of its patch. Method: the default hand, and the paper's, come down
-//! with their index finger first, slowly, on a plate, and the default one on a ball, a cylinder and an edge that stand where
-//! it met the plate; when it presses with a few newtons and with many, the area is held against the part of its skin that is nearer than 20 µm, or,
-//! in a pinch, that the load asks for at the peak pressure.
+//! Goal: the area that is reported of a finger is that of its patch. Method: the default hand, and
+//! the paper's, come down with their index finger first, slowly, on a plate, and the default one on
+//! a ball, a cylinder and an edge that stand where it met the plate; when it presses with a few
+//! newtons and with many, the area is held against the part of its skin that is nearer than 20 µm,
+//! or, in a pinch, that the load asks for at the peak pressure.
 
 use std::path::Path;
 use thenar_core::Vec3;
@@ -13,8 +14,8 @@ use thenar_scene::session::Session;
 const TOUCHING: f64 = 20e-6;
 /// Where the upper side of what is touched is \[m\].
 const TOP: f64 = 0.01;
-/// Rows of places in which a triangle is looked at: of the default hand's 2 mm² each then stands for 600 µm², of the
-/// paper's 12 mm² for 200.
+/// Rows of places in which a triangle is looked at: of the default hand's 2 mm² each then stands
+/// for 600 µm², of the paper's 12 mm² for 200.
 fn rows(preset: &str) -> u32 {
     if preset == "paper" { 240 } else { 60 }
 }
@@ -41,7 +42,8 @@ joints.index-pip = { flexion_deg = 20 }
 joints.index-dip = { flexion_deg = 10 }
 "#;
 
-/// What stands fixed under the finger, and how far a place is from it \[m\], seen from the middle of its upper side.
+/// What stands fixed under the finger, and how far a place is from it \[m\], seen from the middle
+/// of its upper side.
 struct Thing {
     shape: &'static str,
     /// Turn about z.
@@ -51,8 +53,8 @@ struct Thing {
     distance: fn(&Vec3) -> f64,
     /// With what the finger presses \[N\].
     loads: [f64; 3],
-    /// How far the area may be off, in parts: less where a patch has ten points of the skin and more, on the plate, than
-    /// where it has one to three.
+    /// How far the area may be off, in parts: less where a patch has ten points of the skin and
+    /// more, on the plate, than where it has one to three.
     within: f64,
 }
 
@@ -171,8 +173,8 @@ fn presses_on_its_patch(preset: &str, thing: &Thing, at: Vec3) -> Vec3 {
         );
         assert!((told.area / area - 1.0).abs() < thing.within, "{} of {area} m2", told.area);
         let spread = told.pressure_mean() * told.area;
-        // What the bone bears where flesh is crushed has no area. More load need not touch more skin: a finger that it
-        // bends stands on its tip.
+        // What the bone bears where flesh is crushed has no area. More load need not touch more
+        // skin: a finger that it bends stands on its tip.
         let skin = told.skin_normal;
         assert!((spread / skin - 1.0).abs() < 0.01, "{spread} of {skin} N");
     }

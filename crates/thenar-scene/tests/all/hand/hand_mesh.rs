@@ -1,5 +1,5 @@
-//! Goal: a scene says how fine a hand is and what holds its flesh by one word, and each part of that by its own key.
-//! Method: the models of scenes with and without the keys are compared.
+//! Goal: a scene says how fine a hand is and what holds its flesh by one word, and each part of
+//! that by its own key. Method: the models of scenes with and without the keys are compared.
 
 use std::path::Path;
 use thenar_core::model::{CouplingKind, Side};
@@ -62,7 +62,8 @@ fn what_is_about_the_papers_hand_makes_it_the_papers() {
     assert_eq!((bone.coupling, bone.coupling_stiffness), (CouplingKind::Bone, 1e11));
 }
 
-/// What the two-step solver does to springs in bone is said before it runs, and that silence means the paper's hand.
+/// What the two-step solver does to springs in bone is said before it runs, and that silence means
+/// the paper's hand.
 #[test]
 fn the_two_step_solver_is_told_of_with_the_hand_that_it_gets() {
     let two_step = |keys: &str, h: &str| {
@@ -106,7 +107,8 @@ fn keys_of_their_own_come_before_the_preset() {
     assert_ne!(graded.model.flesh.nodes, counted.model.flesh.nodes);
 }
 
-/// Patches go with flesh that hangs on bone, single tetrahedra with the paper's coupling, unless a scene says.
+/// Patches go with flesh that hangs on bone, single tetrahedra with the paper's coupling, unless a
+/// scene says.
 #[test]
 fn elements_go_with_the_coupling() {
     let patches = |keys: &str| {

@@ -1,5 +1,6 @@
 //! Goal: any shipped scene can have left, right or both hands, of any length. Method: every other
-//! choice in turn is built and stepped, in every scene; the mirrored scripts do what the scenes' own do.
+//! choice in turn is built and stepped, in every scene; the mirrored scripts do what the scenes'
+//! own do.
 
 use std::path::Path;
 use thenar_core::Vec3;

@@ -1,5 +1,7 @@
-//! Goal: the joints of the hand for touch resist as those of the living do, whatever the hand's side and length, and scenes
-//! say otherwise where they want to. Method: a torque on one knuckle after the other, drives off, and the angle at rest; a finger that is bent by a torque and let go; tables of joints, read back from the world.
+//! Goal: the joints of the hand for touch resist as those of the living do, whatever the hand's
+//! side and length, and scenes say otherwise where they want to. Method: a torque on one knuckle
+//! after the other, drives off, and the angle at rest; a finger that is bent by a torque and let
+//! go; tables of joints, read back from the world.
 
 use std::path::Path;
 use thenar_core::model::{AngleLimit, Side};
@@ -7,8 +9,8 @@ use thenar_rig::hand::{HandOptions, asset, build_hand_with_report};
 use thenar_scene::session::Session;
 
 const FINGERS: [&str; 4] = ["index", "middle", "ring", "little"];
-/// Torque on a knuckle \[N m\], and how long it acts on each \[s\]. Flesh without memory is at rest after a second and as stiff then as
-/// after ten.
+/// Torque on a knuckle \[N m\], and how long it acts on each \[s\]. Flesh without memory is at rest
+/// after a second and as stiff then as after ten.
 const TORQUE: f64 = 0.01;
 const HELD: f64 = 2.5;
 
@@ -74,7 +76,8 @@ fn knuckles_are_as_stiff_as_those_of_people() {
     }
 }
 
-/// What is reported of a built hand is what torques to both sides meet, to what flesh that is bent otherwise resists otherwise.
+/// What is reported of a built hand is what torques to both sides meet, to what flesh that is bent
+/// otherwise resists otherwise.
 #[test]
 fn what_is_reported_is_what_a_torque_meets() {
     let (_, report) =
@@ -98,7 +101,8 @@ fn what_is_reported_is_what_a_torque_meets() {
     }
 }
 
-/// A finger that is bent by about 30° and let go passes its rest once at most, by a tenth of the way or less.
+/// A finger that is bent by about 30° and let go passes its rest once at most, by a tenth of the
+/// way or less.
 #[test]
 fn a_released_finger_hardly_swings() {
     for h in [0.005, 1.0 / 60.0] {
@@ -163,7 +167,8 @@ fn scenes_change_single_joints() {
     }
 }
 
-/// A finger comes to rest where its spring is relaxed, and a torque does not take it past its range.
+/// A finger comes to rest where its spring is relaxed, and a torque does not take it past its
+/// range.
 #[test]
 fn changed_joints_act() {
     let at_end = |more: &str| {

@@ -1,5 +1,6 @@
-//! Goal: layers, skin and nails reach the world as a scene asks, and what makes no sense is refused with file, key and
-//! reason. Method: hands and soft bodies opened from text, their descriptions and errors looked at.
+//! Goal: layers, skin and nails reach the world as a scene asks, and what makes no sense is refused
+//! with file, key and reason. Method: hands and soft bodies opened from text, their descriptions
+//! and errors looked at.
 
 use std::path::Path;
 use thenar_core::model::{Skin, WorldDesc};
@@ -80,7 +81,8 @@ fn keys_win_over_the_tissue() {
     assert_eq!((sheet.thickness, sheet.young, sheet.pretension), (0.001, 1e5, 4.0));
     let materials = &world.softs[0].flesh.materials;
     let most = materials.iter().map(|m| m.young).fold(0.0, f64::max);
-    // Some element lies in dermis alone or nearly so, none is stiffer; all else is as soft as asked.
+    // Some element lies in dermis alone or nearly so, none is stiffer; all else is as soft as
+    // asked.
     assert!((4e4..=8e4 * (1.0 + 1e-9)).contains(&most), "{most} Pa");
     assert!(materials.iter().all(|m| (0.4 - 1e-9..0.46 + 1e-9).contains(&m.poisson)));
     let soft = materials.iter().filter(|m| m.young < 2e4 * (1.0 + 1e-9)).count();

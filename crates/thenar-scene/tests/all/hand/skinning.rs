@@ -1,6 +1,7 @@
-//! Goal: targets by the pose of two bones (`skinning = "joint"`) keep radius and depth, in scenes as in formulas, with
-//! both solvers, and leave momentum alone. Method: a bar between two bones that are turned by 90° has its targets
-//! where trigonometry puts them; a hand thrown in free air without dampers keeps its momentum.
+//! Goal: targets by the pose of two bones (`skinning = "joint"`) keep radius and depth, in scenes
+//! as in formulas, with both solvers, and leave momentum alone. Method: a bar between two bones
+//! that are turned by 90° has its targets where trigonometry puts them; a hand thrown in free air
+//! without dampers keeps its momentum.
 
 use std::path::Path;
 use thenar_scene::SceneError;
@@ -11,7 +12,8 @@ fn open(text: &str, overrides: &[&str]) -> Result<Session, SceneError> {
     Session::from_text(text, Path::new("test.toml"), &overrides)
 }
 
-/// A bar along x from bone a to bone b, whose middle layer is bound to both; b turns by 90° about `axis`.
+/// A bar along x from bone a to bone b, whose middle layer is bound to both; b turns by 90° about
+/// `axis`.
 fn bar(axis: &str, joint: &str) -> String {
     format!(
         r#"version = 1
@@ -88,7 +90,8 @@ fn targets_keep_their_distance_from_the_joint() {
     }
 }
 
-/// By linear blending of a twist all keep cos 45°; of a bend those off the axis, and those on it all.
+/// By linear blending of a twist all keep cos 45°; of a bend those off the axis, and those on it
+/// all.
 #[test]
 fn linear_blending_narrows_a_twist_and_thins_a_bend() {
     let [axis, position] = TWIST;
@@ -141,7 +144,8 @@ torque = 0.01
 profile = { kind = "random", seed = 8, interval = 0.02, until = 0.1 }
 "#;
 
-/// By what parts of themselves linear and angular momentum of the hand in flight change from 0.15 to 0.4 s; it gains no energy.
+/// By what parts of themselves linear and angular momentum of the hand in flight change from 0.15
+/// to 0.4 s; it gains no energy.
 fn drift(settings: &[&str]) -> [f64; 2] {
     let mut session = open(FLIGHT, settings).unwrap_or_else(|e| panic!("{e}"));
     let mut at = |time: f64| {
@@ -156,7 +160,8 @@ fn drift(settings: &[&str]) -> [f64; 2] {
     [0, 1].map(|k| (after.0[k] - before.0[k]).norm() / before.0[k].norm())
 }
 
-/// The paper's springs are linearised once a step; what they lose is the same by either blending, with offsets or without.
+/// The paper's springs are linearised once a step; what they lose is the same by either blending,
+/// with offsets or without.
 #[test]
 fn a_hand_in_flight_keeps_its_momentum_and_gains_no_energy() {
     let (joint, offsets) = ("hand.hand.skinning=joint", "hand.hand.pose_offsets=true");
@@ -193,7 +198,8 @@ fn middle_targets(text: &str, overrides: &[&str]) -> Vec<[f64; 3]> {
     middle.iter().map(|&n| [targets[n].x, targets[n].y, targets[n].z]).collect()
 }
 
-/// Both bones carry the offset: by blended places as `½ (1 + R)` has it, by blended rotations as a turn by 45° has it.
+/// Both bones carry the offset: by blended places as `½ (1 + R)` has it, by blended rotations as a
+/// turn by 45° has it.
 #[test]
 fn offsets_by_pose_move_targets_as_the_bones_carry_them() {
     let (x, y, z) = (1e-3, 2e-3, 3e-3);

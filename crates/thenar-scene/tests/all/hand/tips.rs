@@ -1,5 +1,6 @@
-//! Goal: fingertips that a scene wants at places come there, on the usual hand, whose flesh and joints resist, and on the
-//! paper's. Method: the middle of each pad, carried by its simulated bone, beside its place.
+//! Goal: fingertips that a scene wants at places come there, on the usual hand, whose flesh and
+//! joints resist, and on the paper's. Method: the middle of each pad, carried by its simulated
+//! bone, beside its place.
 
 use std::path::Path;
 use thenar_core::Vec3;
@@ -15,8 +16,8 @@ const PLACES: [[f64; 3]; 5] = [
     [0.020, 0.250, -0.130],
     [0.035, 0.260, -0.115],
 ];
-/// How far drives let a fingertip lag that nothing touches [m]: as far as its skin gives way under 1 N. The paper's
-/// drives have no muscles beside them.
+/// How far drives let a fingertip lag that nothing touches [m]: as far as its skin gives way under
+/// 1 N. The paper's drives have no muscles beside them.
 const LAG: [(&str, f64); 2] = [("touch", 2e-3), ("paper", 4e-3)];
 
 fn scene(preset: &str) -> String {

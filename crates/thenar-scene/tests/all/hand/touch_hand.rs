@@ -1,14 +1,17 @@
 //! Goal: the hand for touch behaves like a hand. Method: its index pad is pressed on a plate and
-//! measured against people; it makes a fist, at short and long steps, and what became of its flesh is counted.
+//! measured against people; it makes a fist, at short and long steps, and what became of its flesh
+//! is counted.
 
 use std::path::Path;
 use thenar_scene::session::Session;
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
 
-/// An index pad, its bones held, and a plate tilted by 30° that comes up to it at 5 mm/s along its normal.
+/// An index pad, its bones held, and a plate tilted by 30° that comes up to it at 5 mm/s along its
+/// normal.
 fn press(side: &str, seconds: f64) -> Session {
-    // Where the plate's middle is when its face meets the pad, about; of the mirrored hand mirrored.
+    // Where the plate's middle is when its face meets the pad, about; of the mirrored hand
+    // mirrored.
     let x = if side == "left" { 0.0197 } else { -0.0197 };
     let start = [x, -0.023_991, -0.178_75];
     let (sin, cos) = 30f64.to_radians().sin_cos();
@@ -65,9 +68,9 @@ fn stiffness(curve: &[[f64; 3]], row: usize) -> f64 {
     both / near.iter().map(|r| (r[0] - depth).powi(2)).sum::<f64>()
 }
 
-/// Serina, Mote and Rempel 1997 (twenty people): the pad sinks by 1.0 to 2.5 mm at 1 N, and is at 5 N at least three
-/// times as stiff as at 0.5 N; between a cone's area and a flat punch's, that of contact grows with a power of the
-/// force of 0.35 to 0.55.
+/// Serina, Mote and Rempel 1997 (twenty people): the pad sinks by 1.0 to 2.5 mm at 1 N, and is at 5
+/// N at least three times as stiff as at 0.5 N; between a cone's area and a flat punch's, that of
+/// contact grows with a power of the force of 0.35 to 0.55.
 #[test]
 fn a_pad_gives_way_as_those_of_people_do() {
     for side in ["right", "left"] {
@@ -82,8 +85,8 @@ fn a_pad_gives_way_as_those_of_people_do() {
     }
 }
 
-/// A closed fist crushes flesh between fingers and palm. Nothing passes through, no more than an element in three hundred is
-/// flat, and after the hand has opened its flesh has forgotten it.
+/// A closed fist crushes flesh between fingers and palm. Nothing passes through, no more than an
+/// element in three hundred is flat, and after the hand has opened its flesh has forgotten it.
 #[test]
 fn a_fist_crushes_nothing_for_good() {
     for h in [0.005, 1.0 / 60.0] {
@@ -103,7 +106,8 @@ fn a_fist_crushes_nothing_for_good() {
             last = report.inverted_tets;
         }
         assert_eq!(last, 0, "{h} s");
-        // What the drives' springs of 0.3 N m/rad give up: 15 joints, of which none is off by more than half a radian.
+        // What the drives' springs of 0.3 N m/rad give up: 15 joints, of which none is off by more
+        // than half a radian.
         assert!(highest < 15.0 * 0.5 * 0.3 * 0.25, "{h} s: {highest} J of flesh");
         let end = session.world().energy(session.input()).elastic;
         assert!(end < at_rest + 0.01 * highest, "{h} s: {end} J after, {at_rest} J before");

@@ -67,9 +67,9 @@ fn a_replay_gives_the_same_bits_whatever_entered() {
     }
 }
 
-/// Every keyframe falls into something that a step depends on besides the world's state: a tracker's
-/// filter while it is calibrated, a changed setting, another solver, a hand that is lost, that returns to
-/// its script, that is led.
+/// Every keyframe falls into something that a step depends on besides the world's state: a
+/// tracker's filter while it is calibrated, a changed setting, another solver, a hand that is lost,
+/// that returns to its script, that is led.
 #[test]
 fn a_replay_gives_the_same_bits_from_any_keyframe_on() {
     for (name, text) in [("at-glove", GLOVE), ("at-flesh", FLESH), ("at-tissue", TISSUE)] {

@@ -11,7 +11,8 @@ use thenar_scene::tuning::SettingValue;
 
 const STEPS: usize = 60;
 
-/// Poses all the time, as of a tracker; settings and a leader on the way. Keyframes after steps 10, 20, ...
+/// Poses all the time, as of a tracker; settings and a leader on the way. Keyframes after steps 10,
+/// 20, ...
 fn tracked_session(k: usize, session: &mut Session) {
     let t = H * k as f64;
     let pose = bent([0.05 * t, 0.1 - 0.25 * t, 0.0], 0.5 * t);
@@ -88,8 +89,8 @@ fn a_damaged_session_goes_on_with_the_same_bits() {
     assert!(verdict.is_same() && verdict.losses.len() == marks.len(), "{verdict:?}");
     assert_eq!((verdict.steps, verdict.unmarked, verdict.lost), (60, 6, 0));
 
-    // A piece in the middle is overwritten: with poses and both settings, while the hand is led, when it
-    // is let go of.
+    // A piece in the middle is overwritten: with poses and both settings, while the hand is led,
+    // when it is let go of.
     for (from, to) in [(21, 26), (35, 38), (42, 46), (12, 33)] {
         let (mut hurt, piece) =
             (whole.clone(), of(FrameKind::Step, from).end..of(FrameKind::Step, to).start);

@@ -1,5 +1,6 @@
-//! Recordings against damage that mends its checksums, from the bytes to the replayed steps: whatever they say,
-//! they are replayed, or refused with a message. The same code runs under `cargo fuzz`, see `fuzz/`.
+//! Recordings against damage that mends its checksums, from the bytes to the replayed steps:
+//! whatever they say, they are replayed, or refused with a message. The same code runs under
+//! `cargo fuzz`, see `fuzz/`.
 
 use crate::damage::{Random, damaged};
 use crate::recordings::{replays, seeds};

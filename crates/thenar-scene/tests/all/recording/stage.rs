@@ -136,8 +136,8 @@ impl Folder {
         Session::from_text(text, &self.file("scene.toml"), &[]).unwrap()
     }
 
-    /// Records what `drive` does in each of `steps` steps of a scene, before it is made; returns the
-    /// file and the hash after every step.
+    /// Records what `drive` does in each of `steps` steps of a scene, before it is made; returns
+    /// the file and the hash after every step.
     pub fn record(
         &self,
         text: &str,

@@ -108,8 +108,8 @@ fn a_mark_beyond_what_its_time_allows_is_damage_and_costs_nothing_else() {
     }
 }
 
-/// The state after a step has the hash of its mark. The last keyframe counts as the others, where no step
-/// behind it would tell.
+/// The state after a step has the hash of its mark. The last keyframe counts as the others, where
+/// no step behind it would tell.
 #[test]
 fn a_keyframe_with_another_state_than_its_mark_is_damage_and_costs_nothing_else() {
     const KEYFRAME: u8 = 5;
@@ -133,7 +133,8 @@ fn a_keyframe_with_another_state_than_its_mark_is_damage_and_costs_nothing_else(
     }
 }
 
-/// A mark says that a step was taken back, or the scene begins at another time or with another step.
+/// A mark says that a step was taken back, or the scene begins at another time or with another
+/// step.
 #[test]
 fn what_a_mark_or_a_scene_says_besides_its_hash_is_compared() {
     let folder = Folder::new("tampered-flag");
@@ -273,8 +274,8 @@ fn assert_clean(file: &Path, steps: u64) {
     assert_eq!((verdict.steps, verdict.same), (steps, steps));
 }
 
-/// Programs that knew the paper's hand alone wrote nothing behind the parts of a scene frame; a number that is not known
-/// is refused.
+/// Programs that knew the paper's hand alone wrote nothing behind the parts of a scene frame; a
+/// number that is not known is refused.
 #[test]
 fn a_scene_means_the_hand_that_it_meant_when_it_was_recorded() {
     const SCENE: u8 = 2;

@@ -46,8 +46,8 @@ fn posed(hand: &HandModel, key: &str) -> Vec<Pose> {
     out.iter().flatten().map(|target| target.pose_WB).collect()
 }
 
-/// A fist bends knuckles to their ends and pulls on by a sixth at most; pointing is the same but for the index, which is
-/// straight; a hand without a finger makes neither, and takes the table's.
+/// A fist bends knuckles to their ends and pulls on by a sixth at most; pointing is the same but
+/// for the index, which is straight; a hand without a finger makes neither, and takes the table's.
 #[test]
 fn fists_follow_from_the_hand() {
     for hand in hands() {
@@ -59,7 +59,8 @@ fn fists_follow_from_the_hand() {
             let range = range.as_ref().expect("an angle");
             assert!((range.min - 1e-9..=1.16 * range.max).contains(&fist[k]), "{k}: {}", fist[k]);
         }
-        // Knuckles, from the index finger on: at what reaches the palm, which for the longest is beyond their ends.
+        // Knuckles, from the index finger on: at what reaches the palm, which for the longest is
+        // beyond their ends.
         let knuckles = [4, 8, 12, 16].map(|k| fist[k].to_degrees());
         assert!(knuckles.iter().all(|angle| *angle > 70.0), "{knuckles:?}");
         assert!(knuckles[1] > 90.0 && knuckles[2] > 90.0, "{knuckles:?}");

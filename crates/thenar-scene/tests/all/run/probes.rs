@@ -343,8 +343,9 @@ fn hand_at_its_fingertip() -> String {
     ))
 }
 
-/// 200 N on the tip of an index finger between two plates crush its flesh, so that the bone bears most: the
-/// contact of the hand with a plate is all that the plate feels, on whichever side of the pair the hand is.
+/// 200 N on the tip of an index finger between two plates crush its flesh, so that the bone bears
+/// most: the contact of the hand with a plate is all that the plate feels, on whichever side of the
+/// pair the hand is.
 #[test]
 fn the_bones_of_a_hand_count_in_its_contact() {
     let hand = hand_at_its_fingertip();
@@ -401,7 +402,8 @@ fn the_bones_of_a_hand_count_in_its_contact() {
     near(mean * area, skin, 1e-9 * skin);
 }
 
-/// A ball pressed into a pad: no bone bears anything, so the mean pressure times the area is the load.
+/// A ball pressed into a pad: no bone bears anything, so the mean pressure times the area is the
+/// load.
 #[test]
 fn mean_pressure_times_area_is_the_load() {
     for depth in [0.5e-3, 1.5e-3] {
@@ -509,8 +511,8 @@ fn a_knuckle_holds_five_newton_metres() {
         let limit = limit.unwrap();
         let bound = if torque > 0.0 { limit.max } else { limit.min };
         near(value(&mut session, "knuckle.angle1"), bound, 0.01_f64.to_radians());
-        // The joint's own spring bears some hundredths, the paper's stiff flesh bent by a right angle, and crushed in
-        // the crease, some tenths.
+        // The joint's own spring bears some hundredths, the paper's stiff flesh bent by a right
+        // angle, and crushed in the crease, some tenths.
         let others = if flesh { 0.8 } else { 0.1 };
         near(value(&mut session, "knuckle.limit_torque1"), -torque, others);
     }

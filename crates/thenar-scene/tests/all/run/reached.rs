@@ -1,5 +1,6 @@
-//! Goal: the default hand reaches its targets. Method: hands of other proportions are watched as they pinch, and ours
-//! must press pad on pad; fingers are bent in free air, and ours must be as bent.
+//! Goal: the default hand reaches its targets. Method: hands of other proportions are watched as
+//! they pinch, and ours must press pad on pad; fingers are bent in free air, and ours must be as
+//! bent.
 
 use std::path::Path;
 use thenar_core::kinematics::Tree;
@@ -43,7 +44,8 @@ fn proportioned(hand: &HandModel, thumb: f64, fingers: f64) -> HandModel {
     hand
 }
 
-/// The joints that a headset would see of a hand whose pads of thumb and index finger stand `width` \[m\] apart.
+/// The joints that a headset would see of a hand whose pads of thumb and index finger stand `width`
+/// \[m\] apart.
 fn seen(hand: &HandModel, pinch: &Opposition, width: f64) -> [Pose; 25] {
     let tree = Tree::of_hand(hand).expect("a tree");
     let mut angles = vec![[0.0; 2]; tree.joints()];
@@ -66,7 +68,8 @@ fn seen(hand: &HandModel, pinch: &Opposition, width: f64) -> [Pose; 25] {
     joints
 }
 
-/// Force on a pad \[N\], and how far the middle of what presses there is beside the pad's own \[m\].
+/// Force on a pad \[N\], and how far the middle of what presses there is beside the pad's own
+/// \[m\].
 fn pressed(session: &Session, digit: Digit) -> (f64, f64) {
     let hand = &session.hands()[0];
     let part = Digit::FINGERS.iter().position(|finger| *finger == digit).expect("a finger");
@@ -86,8 +89,9 @@ fn pressed(session: &Session, digit: Digit) -> (f64, f64) {
     (force, (middle - pad.normal_B * pad.normal_B.dot(&middle)).norm())
 }
 
-/// Hands with thumbs and fingers of other lengths put thumb and index finger together; ours presses with at least 1 N, within
-/// 6 mm of the middle of each pad (its thumb cannot turn about its own length, so that pads face each other at an angle).
+/// Hands with thumbs and fingers of other lengths put thumb and index finger together; ours presses
+/// with at least 1 N, within 6 mm of the middle of each pad (its thumb cannot turn about its own
+/// length, so that pads face each other at an angle).
 #[test]
 fn a_pinch_of_any_hand_is_one_of_ours() {
     for (side, thumb, fingers) in
@@ -132,8 +136,8 @@ fn bending() -> String {
     )
 }
 
-/// Fingers that are bent in free air get within 2 mm of their targets; without muscles flesh and springs keep them half as
-/// far again from there.
+/// Fingers that are bent in free air get within 2 mm of their targets; without muscles flesh and
+/// springs keep them half as far again from there.
 #[test]
 fn bent_fingers_are_as_bent_as_their_targets() {
     let key = bending();
@@ -153,8 +157,8 @@ fn bent_fingers_are_as_bent_as_their_targets() {
     assert!(with < 2e-3 && without > 1.5 * with, "{with} m with muscles, {without} m without");
 }
 
-/// Twice the modulus takes twice the torque but for the springs; a hand that is led, limp, without drives or the paper's has
-/// none.
+/// Twice the modulus takes twice the torque but for the springs; a hand that is led, limp, without
+/// drives or the paper's has none.
 #[test]
 fn muscles_are_as_strong_as_what_they_hold() {
     let torques = |session: &mut Session| -> Vec<f64> {
@@ -185,7 +189,8 @@ fn muscles_are_as_strong_as_what_they_hold() {
     assert!(session.lead(0, targets.into_iter()));
     assert_eq!(sum(&torques(&mut session)), 0.0, "led");
 
-    // Flesh that is held otherwise than it was measured is not counted: twice its modulus changes nothing.
+    // Flesh that is held otherwise than it was measured is not counted: twice its modulus changes
+    // nothing.
     let mut held =
         alone(Side::Right, &format!("preset = \"touch\"\ncoupling = \"uniform\"\n{}", bending()));
     while held.world().time() < 0.7 {

@@ -212,7 +212,8 @@ fn a_stronger_hand_sags_less_and_softer_bonds_let_flesh_hang() {
             .sum();
         assert!((force / (flesh * 9.81) - 1.0).abs() < 0.02, "{force} {}", flesh * 9.81);
         assert!(hang(&session) > 0.0);
-        // A uniform hang: density over stiffness per volume times g, within the unevenness of flesh.
+        // A uniform hang: density over stiffness per volume times g, within the unevenness of
+        // flesh.
         let even = flesh * 9.81 / coupling.springs.stiffness().sum::<f64>();
         assert!((hang(&session) / even - 1.0).abs() < 0.5, "{} {even}", hang(&session));
     }

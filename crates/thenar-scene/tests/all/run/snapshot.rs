@@ -1,5 +1,6 @@
-//! Goal: a session goes on from a snapshot of another with the same bits, tracked hands and settings
-//! included, and from nothing else. Method: hashes step by step; bytes of other scenes, cut and changed.
+//! Goal: a session goes on from a snapshot of another with the same bits, tracked hands and
+//! settings included, and from nothing else. Method: hashes step by step; bytes of other scenes,
+//! cut and changed.
 
 use std::path::Path;
 use thenar_core::{Pose, Quat, Vec3};

@@ -1,5 +1,6 @@
-//! Goal: shipped layouts of taxels lie where they say, and in shipped scenes feel all that presses on the hand. Method:
-//! the skin at rest seen from its bones; grasps and presses, against sums over contact points worked out here.
+//! Goal: shipped layouts of taxels lie where they say, and in shipped scenes feel all that presses
+//! on the hand. Method: the skin at rest seen from its bones; grasps and presses, against sums over
+//! contact points worked out here.
 
 use std::path::Path;
 use thenar_core::Vec3;
@@ -78,7 +79,8 @@ fn chosen_points_are_laid_on_the_skin_of_their_bone() {
     assert!(on_bone(&hand, "index-distal-2", &deep).is_none());
 }
 
-/// Force on these parts of a hand, and the sum of the sizes of its points' forces; and how much of it is on bones.
+/// Force on these parts of a hand, and the sum of the sizes of its points' forces; and how much of
+/// it is on bones.
 fn sums(session: &Session, digits: &[Digit]) -> (Vec3, f64, f64) {
     let hand = &session.hands()[0];
     let mut sums = (Vec3::zeros(), 0.0, 0.0);

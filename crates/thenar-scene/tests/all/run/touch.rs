@@ -1,5 +1,5 @@
-//! Goal: probes of touch give what the contact read-out holds, and pairs take friction by load. Method:
-//! small scenes against statics and Coulomb's law, and probes against each other.
+//! Goal: probes of touch give what the contact read-out holds, and pairs take friction by load.
+//! Method: small scenes against statics and Coulomb's law, and probes against each other.
 
 use std::path::Path;
 use thenar_scene::session::Session;
@@ -224,8 +224,8 @@ fn a_pair_takes_friction_by_load() {
     }
 }
 
-/// A block drawn over a plane. At the tables' rows it bears what the power law of the measurements says, to 1 %; between
-/// them straight lines lie above the law by up to 3 %, between 2 and 5 N.
+/// A block drawn over a plane. At the tables' rows it bears what the power law of the measurements
+/// says, to 1 %; between them straight lines lie above the law by up to 3 %, between 2 and 5 N.
 #[test]
 fn skin_on_a_material_drags_by_its_load() {
     let p = 0.54_f64.ln() / 20_f64.ln();

@@ -1,5 +1,5 @@
-//! Goal: the files that a scene says it names are those that building it reads. Method: a scene with every kind of file,
-//! against what its session has asked for.
+//! Goal: the files that a scene says it names are those that building it reads. Method: a scene
+//! with every kind of file, against what its session has asked for.
 
 use std::collections::BTreeSet;
 use std::fs::write;

@@ -216,7 +216,8 @@ fn check_motion(part: Option<&str>, value: &Value) -> Result<(), String> {
     check(&root, value, &schema["$defs"], "motion")
 }
 
-/// The schema of motion files takes and refuses what scenes do; the document's example is one of them.
+/// The schema of motion files takes and refuses what scenes do; the document's example is one of
+/// them.
 #[test]
 fn the_schema_of_motion_files_is_what_scenes_read() {
     let text = std::fs::read_to_string(root().join("docs/hand.md")).unwrap();

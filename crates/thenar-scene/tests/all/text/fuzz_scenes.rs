@@ -1,5 +1,5 @@
-//! Scenes and motions against damage, from the text to the simulated step: whatever it says, it runs, or is
-//! refused with a message. The same code runs under `cargo fuzz`, see `fuzz/`.
+//! Scenes and motions against damage, from the text to the simulated step: whatever it says, it
+//! runs, or is refused with a message. The same code runs under `cargo fuzz`, see `fuzz/`.
 
 use crate::damage::{Random, damaged};
 use crate::scenes;

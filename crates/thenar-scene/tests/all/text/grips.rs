@@ -1,5 +1,6 @@
-//! Goal: shipped scenes that grip by intent hold what they grip as people do. Method: each is run as it is, once; who presses,
-//! how hard and how far things slip is read from contact, and weights and friction say what must be.
+//! Goal: shipped scenes that grip by intent hold what they grip as people do. Method: each is run
+//! as it is, once; who presses, how hard and how far things slip is read from contact, and weights
+//! and friction say what must be.
 
 use crate::accuracy::Accuracy;
 use std::ops::Range;
@@ -126,8 +127,9 @@ fn slip_limit(session: &Session, object: BodyId, hands: f64) -> f64 {
 /// Grip force over the slip limit with which people hold dry things.
 const HUMAN: Range<f64> = 1.1..2.0;
 
-/// Lifts a thing by `lift` m, and holds it from 3.2 s on: with a force of `over` times what keeps it from slipping, carried by
-/// the hand alone, without creep; `least` digits press. `each` sees the session and the thing after each step.
+/// Lifts a thing by `lift` m, and holds it from 3.2 s on: with a force of `over` times what keeps
+/// it from slipping, carried by the hand alone, without creep; `least` digits press. `each` sees
+/// the session and the thing after each step.
 #[track_caller]
 fn is_held(
     name: &str,
@@ -182,7 +184,8 @@ fn thumb_and_four_fingers_hold_the_car() {
 
 #[test]
 fn thumb_and_index_finger_pull_a_card_out_of_its_slot() {
-    // A card weighs so little that what people press with at least decides: 0.3 N, some eight times its limit.
+    // A card weighs so little that what people press with at least decides: 0.3 N, some eight times
+    // its limit.
     let session = is_held("card", "card", 0.09, 2, 6.0..9.0, |_, _| {});
     // Still upright in the fingers.
     let BodyId::Rigid(card) = body(&session, "card") else { panic!("a rigid card") };
@@ -233,8 +236,9 @@ fn two_hands_carry_a_plank_level_and_share_its_weight() {
     assert!(pose.vector(&Vec3::x()).y.abs() < 0.01, "{pose:?}");
 }
 
-/// A thing put where the egg lies, some millimetres aside of where the hand comes down, gripped by a line without a force and
-/// lifted: held by the hand alone, without creep, with no more than thrice what keeps it from slipping.
+/// A thing put where the egg lies, some millimetres aside of where the hand comes down, gripped by
+/// a line without a force and lifted: held by the hand alone, without creep, with no more than
+/// thrice what keeps it from slipping.
 #[track_caller]
 fn is_held_instead_of_the_egg(shape: &str, mass: f64, half_height: f64, kind: &str) {
     let mut text = builtin("egg").expect("a scene").text.to_owned();
@@ -311,8 +315,8 @@ fn a_thing_that_slips_out_is_reported() {
     assert!(said.ends_with("press with 0.20 N"), "{said}");
 }
 
-/// The ball of `ball-grip` in its pinch, up in the air: where it is beside the palm, and how fast it creeps there until
-/// `end` [m, m/s].
+/// The ball of `ball-grip` in its pinch, up in the air: where it is beside the palm, and how fast
+/// it creeps there until `end` [m, m/s].
 fn pinched(h: f64, end: f64) -> (Vec3, f64) {
     let mut text = builtin("ball-grip").expect("a scene").text.to_owned();
     // The hand stays up, and its fingers closed.

@@ -1,5 +1,6 @@
-//! Goal: an author who puts a mesh file into a scene reads a question about its unit, and how to close it. Method: one tetrahedron
-//! of 130 mm, in files in millimetres and in metres, whole and open, as bodies of all kinds.
+//! Goal: an author who puts a mesh file into a scene reads a question about its unit, and how to
+//! close it. Method: one tetrahedron of 130 mm, in files in millimetres and in metres, whole and
+//! open, as bodies of all kinds.
 
 use std::fs::write;
 use thenar_core::model::Side;
@@ -122,7 +123,8 @@ fn the_error_of_a_rig_in_millimetres_names_the_key_of_scenes() {
     open(&folder, &format!("{hand}length = {key}\n")).unwrap();
 }
 
-/// A rig whose joints have numbers for names is built by the scene's table of names, which no other model takes.
+/// A rig whose joints have numbers for names is built by the scene's table of names, which no other
+/// model takes.
 #[test]
 fn a_scene_names_the_joints_of_a_rig() {
     let folder = folder(&FACES);
@@ -142,8 +144,8 @@ fn a_scene_names_the_joints_of_a_rig() {
     assert!(error.contains("no joint \"n99\""), "{error}");
 }
 
-/// A hand beside a cube that encloses more is taken by its name; names that the file lacks are reported with those
-/// that it has.
+/// A hand beside a cube that encloses more is taken by its name; names that the file lacks are
+/// reported with those that it has.
 #[test]
 fn a_scene_names_the_mesh_of_a_rig() {
     let folder = folder(&FACES);
@@ -175,7 +177,8 @@ fn a_scene_names_the_mesh_of_a_rig() {
     assert!(figure("gripper", "x").contains("no meshes to choose from"));
 }
 
-/// A block of 2.36 in, read in metres, is asked about where a hand is to move it, and not where it stands still.
+/// A block of 2.36 in, read in metres, is asked about where a hand is to move it, and not where it
+/// stands still.
 #[test]
 fn a_block_of_tonnes_is_asked_about_where_hands_are() {
     let folder = folder(&FACES);

@@ -1,5 +1,6 @@
 //! Goal: the shipped scenes show what their titles say. Method: each is run as it is, and its
-//! forces and places are checked against weights and geometry. Those that lift what they grip are in `grips`.
+//! forces and places are checked against weights and geometry. Those that lift what they grip are
+//! in `grips`.
 
 use crate::accuracy::Accuracy;
 use std::path::Path;
@@ -88,11 +89,12 @@ fn slip(session: &Session, held: BodyId, hand: BodyId) -> f64 {
     slid / load
 }
 
-/// Ridges of coarse surfaces that bear in one step and not in the next let a grip creep: a loaf by 40 um/s. Here at other
-/// steps than those of the scenes, which other tests look at.
+/// Ridges of coarse surfaces that bear in one step and not in the next let a grip creep: a loaf by
+/// 40 um/s. Here at other steps than those of the scenes, which other tests look at.
 #[test]
 fn what_is_held_does_not_creep() {
-    // At 16.7 ms the loaf in the hand for touch still settles, by up to 16 um/s, the car by 12 um/s until 3.35 s.
+    // At 16.7 ms the loaf in the hand for touch still settles, by up to 16 um/s, the car by 12 um/s
+    // until 3.35 s.
     for (name, object, seconds, steps) in [
         ("bread-grasp", "bread", 3.1..3.6, &[0.005][..]),
         ("bread-squeeze", "bread", 2.6..2.8, &[1.0 / 60.0][..]),
@@ -136,7 +138,8 @@ fn a_loaf_that_nobody_touches_gains_no_energy() {
     }
 }
 
-/// Largest change of a distance between two nodes of a body [m], whatever it moved and turned as a whole.
+/// Largest change of a distance between two nodes of a body [m], whatever it moved and turned as a
+/// whole.
 fn strain(before: &[Vec3], now: &[Vec3]) -> f64 {
     let pairs = (0..now.len()).flat_map(|i| (0..i).map(move |k| (i, k)));
     let change =

@@ -1,5 +1,5 @@
-//! Goal: every shape that a scene can name becomes the body that it says. Method: one scene with all
-//! of them; masses against closed formulas, and where a compound's parts lie.
+//! Goal: every shape that a scene can name becomes the body that it says. Method: one scene with
+//! all of them; masses against closed formulas, and where a compound's parts lie.
 
 use std::f64::consts::PI;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! Goal: scenes give tissue the laws that they say. Method: small scenes, and what is built from them.
+//! Goal: scenes give tissue the laws that they say. Method: small scenes, and what is built from
+//! them.
 
 use std::path::Path;
 use thenar_core::model::{Law, Relaxation};

@@ -66,8 +66,8 @@ impl Core {
         postcard::to_slice(&state, room).ok().map(|written| written.len())
     }
 
-    /// Goes on from a state, on these frames; and the slots by which each hand gets further ones. `None` if hands,
-    /// frames and displays do not fit.
+    /// Goes on from a state, on these frames; and the slots by which each hand gets further ones.
+    /// `None` if hands, frames and displays do not fit.
     pub fn recall(
         state: CoreState,
         frames: Vec<Frame>,

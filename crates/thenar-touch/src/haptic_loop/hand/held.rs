@@ -1,8 +1,9 @@
 //! Where a hand was last seen, for as long as its tracker does not see it.
 //!
-//! A tracker that is silent for a moment, or says that it does not see the hand, or a loop that stood still, says nothing of
-//! where the hand went: it is held still where it was, by the same samples again. When it is seen there anew it simply
-//! goes on. Seen elsewhere it sets out for there.
+//! A tracker that is silent for a moment, or says that it does not see the hand, or a loop that
+//! stood still, says nothing of where the hand went: it is held still where it was, by the same
+//! samples again. When it is seen there anew it simply goes on. Seen elsewhere it sets out for
+//! there.
 
 use serde::{Deserialize, Serialize};
 use thenar_track::live::LivePose;
@@ -10,24 +11,27 @@ use thenar_track::live::LivePose;
 /// Time without a sample after which a hand is reported again, before it would count as lost
 /// ([`STALE`](thenar_track::live::STALE)) \[ns\].
 const AGAIN_NS: u64 = 85_000_000;
-/// A sample of a hand that moved is in doubt: it is borne out so soon after, before it would count as lost as well \[ns\].
+/// A sample of a hand that moved is in doubt: it is borne out so soon after, before it would count
+/// as lost as well \[ns\].
 const BORNE_OUT_NS: u64 = 5_000_000;
 /// After a longer gap between two ticks, at which the guards trip, nothing goes on \[ns\].
 const GAP_NS: u64 = 500_000_000;
-/// Within this time samples may overtake each other on their way \[ns\]: as long as a pose counts at all.
+/// Within this time samples may overtake each other on their way \[ns\]: as long as a pose counts
+/// at all.
 const OVERTAKEN_NS: u64 = 100_000_000;
-/// A sample measured this little after another is that sample again, as a clock that is followed at its rate dates it \[ns\]:
-/// poses of one motion lie further apart.
+/// A sample measured this little after another is that sample again, as a clock that is followed at
+/// its rate dates it \[ns\]: poses of one motion lie further apart.
 const AGAIN_MEASURED_NS: u64 = 500_000;
-/// Seen so far from where it was, it is elsewhere: place \[m\], turn of the wrist and of a joint \[rad\]. A sample so far
-/// from what was expected is a teleport.
+/// Seen so far from where it was, it is elsewhere: place \[m\], turn of the wrist and of a joint
+/// \[rad\]. A sample so far from what was expected is a teleport.
 const FAR: [f64; 2] = [0.05, 0.5];
 
 /// The last sample that was believed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HeldSample {
     pose: LivePose,
-    /// When it was measured, and when it came; both go on with each time it is reported again \[ns\].
+    /// When it was measured, and when it came; both go on with each time it is reported again
+    /// \[ns\].
     time_ns: u64,
     came_ns: u64,
     /// When it came first \[ns\].
@@ -63,7 +67,8 @@ impl HeldSample {
         Some((self.time_ns as f64 * 1e-9, &self.pose))
     }
 
-    /// Notes whether the sample is in doubt, now that it was repeated; what came since is a sample of its own.
+    /// Notes whether the sample is in doubt, now that it was repeated; what came since is a sample
+    /// of its own.
     pub fn doubt(&mut self, doubted: bool) {
         self.doubted = doubted;
     }
@@ -93,8 +98,8 @@ impl HeldSample {
 pub struct Newest(Option<u64>);
 
 impl Newest {
-    /// True for a sample measured at `time_ns` that is neither the newest again nor overtaken by it, which then is the
-    /// newest. A clock that jumped back further begins afresh.
+    /// True for a sample measured at `time_ns` that is neither the newest again nor overtaken by
+    /// it, which then is the newest. A clock that jumped back further begins afresh.
     pub fn hears(&mut self, time_ns: u64) -> bool {
         let is_news = self.0.is_none_or(|newest| {
             time_ns > newest + AGAIN_MEASURED_NS || time_ns + OVERTAKEN_NS < newest
@@ -123,8 +128,8 @@ mod tests {
         LivePose::Joints { joints, radii: [0.01; 25] }
     }
 
-    /// Within 5 cm and half a radian it is where it was, by either kind of pose; poses of two kinds cannot be compared, and
-    /// numbers that are none are nowhere.
+    /// Within 5 cm and half a radian it is where it was, by either kind of pose; poses of two kinds
+    /// cannot be compared, and numbers that are none are nowhere.
     #[test]
     fn far_is_what_a_teleport_is() {
         let held = HeldSample::new(&angles(0.0, 0.0, 0.3), 0, 0);
@@ -138,7 +143,8 @@ mod tests {
         assert!(held.is_far(&joints(|k| if k == 24 { 0.06 } else { 0.0 })));
     }
 
-    /// A sample that is repeated, and one that was overtaken, say nothing new; a clock that was set back does.
+    /// A sample that is repeated, and one that was overtaken, say nothing new; a clock that was set
+    /// back does.
     #[test]
     fn what_is_repeated_is_no_news() {
         let mut newest = Newest::default();
@@ -149,8 +155,8 @@ mod tests {
         assert!(newest.hears(502 * MS) && newest.hears(399 * MS) && newest.hears(400 * MS));
     }
 
-    /// Every 85 ms of silence once, each by its own time, and 5 ms after one that is in doubt; as often as was missed after a gap,
-    /// and not at all after one that trips the guards.
+    /// Every 85 ms of silence once, each by its own time, and 5 ms after one that is in doubt; as
+    /// often as was missed after a gap, and not at all after one that trips the guards.
     #[test]
     fn silence_is_filled_by_the_last_sample() {
         let mut held = HeldSample::new(&angles(0.0, 0.0, 0.0), 5 * MS, 10 * MS);

@@ -10,7 +10,8 @@ use thenar_core::model::Side;
 use thenar_core::world::Target;
 use thenar_track::live::LiveHand;
 
-/// All that the next tick depends on besides what enters it; borrowed, to be written without a copy.
+/// All that the next tick depends on besides what enters it; borrowed, to be written without a
+/// copy.
 #[derive(Serialize)]
 pub struct HandStateRef<'a> {
     side: Side,

@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-/// Room for frames \[B\]. One of a hand of 16 bones that responds takes 74 KiB for its compliance and up to 300 with limits
-/// of joints and contacts: at 100 frames a second these are two seconds and more.
+/// Room for frames \[B\]. One of a hand of 16 bones that responds takes 74 KiB for its compliance
+/// and up to 300 with limits of joints and contacts: at 100 frames a second these are two seconds
+/// and more.
 const ROOM: usize = 64 << 20;
 /// Frames at most, however small.
 const COUNT: usize = 4096;
@@ -110,7 +111,8 @@ mod tests {
         frame
     }
 
-    /// Whatever their sizes, the newest are there, whole, and the last of them is the last that was put in.
+    /// Whatever their sizes, the newest are there, whole, and the last of them is the last that was
+    /// put in.
     #[test]
     fn the_newest_frames_are_there_whole() {
         let frames = Frames::with_room(20_000);
@@ -119,7 +121,8 @@ mod tests {
             frames.put(0, &frame(step, bones));
             let kept = frames.kept();
             assert_eq!(kept.last().unwrap().1, step);
-            // Thirteen bones of 104 bytes each, and the rest of a frame: more than ten fit whatever their sizes.
+            // Thirteen bones of 104 bytes each, and the rest of a frame: more than ten fit whatever
+            // their sizes.
             assert!(kept.len() as u64 >= step.min(5), "{step}: {}", kept.len());
             for (k, (hand, step, bytes)) in kept.iter().enumerate() {
                 assert_eq!((*hand, *step), (0, kept[0].1 + k as u64), "no frame is missing");

@@ -1,5 +1,5 @@
-//! The felt chain, kept for an incident: all that entered it in the last seconds, and its state at their beginning, so
-//! that it can be made again to the same bits.
+//! The felt chain, kept for an incident: all that entered it in the last seconds, and its state at
+//! their beginning, so that it can be made again to the same bits.
 //!
 //! ```text
 //!  loop ── inputs, samples ──► rings ──► monitor: the last seconds ──┐
@@ -7,9 +7,9 @@
 //!  simulation ── frames ──► one buffer, the oldest overwritten ──────┘
 //! ```
 //!
-//! The loop's part ([`Tape`]) allocates nothing and waits for nobody: where a ring has no room, recording breaks off and
-//! begins anew with the next state. [`replay`] runs the product's own chain over an [`Incident`]. In single-rate, whose
-//! state is a whole simulation, nothing is kept.
+//! The loop's part ([`Tape`]) allocates nothing and waits for nobody: where a ring has no room,
+//! recording breaks off and begins anew with the next state. [`replay`] runs the product's own
+//! chain over an [`Incident`]. In single-rate, whose state is a whole simulation, nothing is kept.
 
 mod file;
 mod frames;

@@ -86,8 +86,8 @@ impl Reel {
         }
     }
 
-    /// All that is kept, with these frames and records of the same time, from the oldest state on whose frames are still
-    /// there; `None` if there is none.
+    /// All that is kept, with these frames and records of the same time, from the oldest state on
+    /// whose frames are still there; `None` if there is none.
     pub fn incident(
         &self,
         reason: &str,
@@ -132,7 +132,8 @@ impl Reel {
     }
 }
 
-/// Gives the loop the room of a state at its full length, which it need not write then within a tick.
+/// Gives the loop the room of a state at its full length, which it need not write then within a
+/// tick.
 fn give_back(empty: &mut Producer<Vec<u8>>, mut room: Vec<u8>) {
     room.resize(STATE_ROOM, 0);
     // There is room for all that there are.
@@ -159,8 +160,8 @@ mod tests {
     const TICK_NS: u64 = 130_000_000;
 
     impl Reel {
-        /// Each input that names a state or a sample has the one that it names, and none between the first and the last
-        /// sample is missing.
+        /// Each input that names a state or a sample has the one that it names, and none between
+        /// the first and the last sample is missing.
         fn is_in_step(&self) -> bool {
             let (mut states, mut samples) = (self.states.iter(), self.kept_samples.iter());
             let mut before = None;
@@ -180,7 +181,8 @@ mod tests {
         }
     }
 
-    /// One tick of a loop with up to three samples, each with its number for a time and for what its tracker states.
+    /// One tick of a loop with up to three samples, each with its number for a time and for what
+    /// its tracker states.
     fn tick(tape: &mut Tape, random: &mut Random, now_ns: u64, number: &mut u64) {
         for _ in 0..random.next() % 4 {
             *number += 1;
@@ -195,9 +197,9 @@ mod tests {
         });
     }
 
-    /// Rings of odd sizes, filled beyond their ends by a loop whose monitor looks at random: what is kept begins with a
-    /// state and stays in step, through every overflow of inputs, of samples and of states; and looked at in time it is
-    /// there again.
+    /// Rings of odd sizes, filled beyond their ends by a loop whose monitor looks at random: what
+    /// is kept begins with a state and stays in step, through every overflow of inputs, of samples
+    /// and of states; and looked at in time it is there again.
     #[test]
     fn rings_that_overflow_stay_in_step() {
         let mut lost = 0;

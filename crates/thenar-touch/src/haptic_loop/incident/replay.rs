@@ -45,8 +45,8 @@ pub struct Difference {
 /// # Errors
 /// What is in it does not fit together.
 pub fn replay(incident: &Incident) -> Result<Replayed, IncidentError> {
-    // States are taken as they are. One that was made up may be of lists that do not fit each other, and the chain,
-    // which relies on them, stops at that.
+    // States are taken as they are. One that was made up may be of lists that do not fit each
+    // other, and the chain, which relies on them, stops at that.
     let run = AssertUnwindSafe(|| run(incident));
     catch_unwind(run).unwrap_or(Err(IncidentError::Unfit("lists")))
 }

@@ -95,14 +95,15 @@ impl Tape {
         (self.broken, self.state_ns) = (true, 0);
     }
 
-    /// After a tick: takes down the state, by `write` into the room that is given, when that is due. `write` gives the
-    /// length, or none if there is no such state or too little room.
+    /// After a tick: takes down the state, by `write` into the room that is given, when that is
+    /// due. `write` gives the length, or none if there is no such state or too little room.
     pub fn state(&mut self, now_ns: u64, write: impl FnOnce(&mut [u8]) -> Option<usize>) {
         if now_ns < self.state_ns {
             return;
         }
         self.state_ns = now_ns.saturating_add(STATE_EVERY_NS);
-        // Room for both inputs below or for none, as the reel takes the next state for each input that names one.
+        // Room for both inputs below or for none, as the reel takes the next state for each input
+        // that names one.
         if self.inputs.slots() < 2 {
             self.broken = true;
             return;

@@ -18,7 +18,8 @@ fn pulling(limits: Limits, now: &mut u64) -> Guard<1> {
     guard
 }
 
-/// Forces that are sent in this many milliseconds under a wish of 5 N, while `poor` spoils what comes in.
+/// Forces that are sent in this many milliseconds under a wish of 5 N, while `poor` spoils what
+/// comes in.
 fn forces(
     guard: &mut Guard<1>,
     now: &mut u64,
@@ -34,7 +35,8 @@ fn forces(
     (0..ms).map(each).collect()
 }
 
-/// Forces that return under a wish of 5 N: nothing for 0.2 s, then half a second's even rise, no faster.
+/// Forces that return under a wish of 5 N: nothing for 0.2 s, then half a second's even rise, no
+/// faster.
 fn is_return(forces: &[f64]) -> bool {
     let rise = 5.0 / RETURN_MS as f64;
     forces[..CALM_MS - 1].iter().all(|force| *force == 0.0)
@@ -42,8 +44,8 @@ fn is_return(forces: &[f64]) -> bool {
         && forces[CALM_MS + RETURN_MS + 1..].iter().all(|force| *force == 5.0)
 }
 
-/// A tracker, a simulation and a device that are silent for half a second, and a hand that was elsewhere, while the wearer
-/// holds on to something: no hand has to open, and nothing jumps.
+/// A tracker, a simulation and a device that are silent for half a second, and a hand that was
+/// elsewhere, while the wearer holds on to something: no hand has to open, and nothing jumps.
 #[test]
 fn what_is_held_is_felt_again_once_the_cause_is_over() {
     type Poor = fn(&mut Signal<1>, &mut Guard<1>, u64);
@@ -81,7 +83,8 @@ fn a_short_stall_of_the_loop_returns() {
     assert!(is_return(&back), "{back:?}");
 }
 
-/// Armed, stopped, or held by a dead-man switch anew: a person opens the hand. So does one whose forces never began.
+/// Armed, stopped, or held by a dead-man switch anew: a person opens the hand. So does one whose
+/// forces never began.
 #[test]
 fn whoever_arms_opens_the_hand() {
     let mut now = MS;
@@ -125,8 +128,9 @@ fn a_pause_is_no_short_cut_through_the_ramp() {
     }
 }
 
-/// A simulation of 8, 5 and 3 frames a second, a tracker of 5 samples a second, a loop that stands still ten times a
-/// second: each of them pauses forces again and again, and none of that is felt as knocking.
+/// A simulation of 8, 5 and 3 frames a second, a tracker of 5 samples a second, a loop that stands
+/// still ten times a second: each of them pauses forces again and again, and none of that is felt
+/// as knocking.
 #[test]
 fn what_pauses_again_and_again_does_not_knock() {
     for (every, tracker) in [(125, false), (200, false), (333, false), (200, true)] {
@@ -148,8 +152,9 @@ fn what_pauses_again_and_again_does_not_knock() {
     }
 }
 
-/// From the tick on in which the hand is on its way elsewhere force falls as fast as the slew lets it, whatever is wanted; what it did
-/// so long ago as motion is seen late goes into the account. Without force, the way may be fast.
+/// From the tick on in which the hand is on its way elsewhere force falls as fast as the slew lets
+/// it, whatever is wanted; what it did so long ago as motion is seen late goes into the account.
+/// Without force, the way may be fast.
 #[test]
 fn a_hand_on_its_way_is_let_go_at_once() {
     let mut now = MS;

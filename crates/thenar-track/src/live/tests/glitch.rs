@@ -1,5 +1,6 @@
-//! Goal: a glitch of one sample is not felt, at any rate and after a lost sample, and a true approach is late by one
-//! sample at most. Method: a live hand as the loop has it; how far its bones go, against what is felt of that.
+//! Goal: a glitch of one sample is not felt, at any rate and after a lost sample, and a true
+//! approach is late by one sample at most. Method: a live hand as the loop has it; how far its
+//! bones go, against what is felt of that.
 
 use super::Rig;
 use crate::ANGLES;
@@ -11,7 +12,8 @@ use thenar_core::{Pose, Quat, Vec3};
 const TICK: f64 = 1e-3;
 const RATES: [f64; 4] = [30.0, 60.0, 90.0, 120.0];
 
-/// Stiffness that a grip of 1 N s/m is shown behind a tracker without latency, observed within 10 ms \[N/m\].
+/// Stiffness that a grip of 1 N s/m is shown behind a tracker without latency, observed within 10
+/// ms \[N/m\].
 fn felt(rate: f64) -> f64 {
     0.85 / (0.5e-3 + 0.5 / rate + 0.01 - 0.2 * 0.5 / rate)
 }
@@ -23,8 +25,8 @@ fn rig() -> Rig {
     rig
 }
 
-/// Times of samples at a rate for so long \[s\]; one in twenty is lost where there are losses, no two in a row: three periods
-/// of 30 Hz are a tenth of a second, after which a hand counts as lost.
+/// Times of samples at a rate for so long \[s\]; one in twenty is lost where there are losses, no
+/// two in a row: three periods of 30 Hz are a tenth of a second, after which a hand counts as lost.
 fn times(rate: f64, end: f64, losses: bool, random: &mut Random) -> Vec<f64> {
     let mut lost = false;
     let mut seen = |_: &u32| {
@@ -34,7 +36,8 @@ fn times(rate: f64, end: f64, losses: bool, random: &mut Random) -> Vec<f64> {
     (0..(end * rate) as u32).filter(&mut seen).map(|k| f64::from(k) / rate).collect()
 }
 
-/// Where the farthest point of a bone of the hand is from where it was \[m\]: the ends of all bones.
+/// Where the farthest point of a bone of the hand is from where it was \[m\]: the ends of all
+/// bones.
 fn farthest(rig: &Rig, home: &[Vec3]) -> f64 {
     ends(rig).iter().zip(home).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
@@ -44,8 +47,8 @@ fn ends(rig: &Rig) -> Vec<Vec3> {
     bones.map(|(target, bone)| target.unwrap().pose_WB.point(&bone.ends_B[1])).collect()
 }
 
-/// Pressed still, with half a millimetre of noise: 5 cm of the wrist, as much at a fingertip by a turn of the wrist, or by
-/// one knuckle, once, adds half a newton at most to what noise does.
+/// Pressed still, with half a millimetre of noise: 5 cm of the wrist, as much at a fingertip by a
+/// turn of the wrist, or by one knuckle, once, adds half a newton at most to what noise does.
 #[test]
 fn a_glitch_of_one_sample_is_not_felt() {
     for rate in RATES {
@@ -92,14 +95,16 @@ fn a_glitch_of_one_sample_is_not_felt() {
     }
 }
 
-/// How far a reach of least jerk has come that is 3 m/s fast at most, over a way \[m\], from 1 s on.
+/// How far a reach of least jerk has come that is 3 m/s fast at most, over a way \[m\], from 1 s
+/// on.
 fn reach(way: f64, t: f64) -> f64 {
     let u = ((t - 1.0) / (1.875 * way / 3.0)).clamp(0.0, 1.0);
     way * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
 }
 
-/// From rest to 3 m/s and to rest, on ways of 0.3 m, which starts with 49 m/s², to 0.9 m: no two samples wait in a row, and
-/// while it becomes faster the hand is where one that believes every sample was at the sample before, or farther.
+/// From rest to 3 m/s and to rest, on ways of 0.3 m, which starts with 49 m/s², to 0.9 m: no two
+/// samples wait in a row, and while it becomes faster the hand is where one that believes every
+/// sample was at the sample before, or farther.
 #[test]
 fn a_true_approach_is_late_by_one_sample_at_most() {
     for rate in RATES {

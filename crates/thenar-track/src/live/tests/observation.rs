@@ -1,5 +1,6 @@
-//! Goal: the rule of stiffness knows what observation costs. Method: a wrist that sways evenly, seen at a rate and late;
-//! of what is followed, the part in quadrature is what a spring to it would take off the damping.
+//! Goal: the rule of stiffness knows what observation costs. Method: a wrist that sways evenly,
+//! seen at a rate and late; of what is followed, the part in quadrature is what a spring to it
+//! would take off the damping.
 
 use super::Rig;
 use crate::ANGLES;
@@ -15,8 +16,8 @@ fn taken(timing: &TrackerTiming, hz: f64) -> f64 {
     swayed(timing, hz, 0.01, 5000)[0]
 }
 
-/// Figures of a sway of `size` \[m\] from 2000 milliseconds on up to `end`: the delay by its phase \[s\], and how
-/// noisy it is seen meanwhile.
+/// Figures of a sway of `size` \[m\] from 2000 milliseconds on up to `end`: the delay by its phase
+/// \[s\], and how noisy it is seen meanwhile.
 fn swayed(timing: &TrackerTiming, hz: f64, size: f64, end: u32) -> [f64; 3] {
     let mut rig = Rig::new();
     let mut random = Random::new(5);
@@ -51,7 +52,8 @@ fn swayed(timing: &TrackerTiming, hz: f64, size: f64, end: u32) -> [f64; 3] {
     [2.0 * across / (count * size) / rate, f64::atan2(across, along) / rate, noisy / count]
 }
 
-/// At the worst sway from 1 to 20 Hz no more than a millisecond beyond the rule, which is not far beyond it.
+/// At the worst sway from 1 to 20 Hz no more than a millisecond beyond the rule, which is not far
+/// beyond it.
 #[test]
 fn observation_takes_what_the_rule_says() {
     let mut most_over = 0.0_f64;
@@ -69,9 +71,10 @@ fn observation_takes_what_the_rule_says() {
     assert!(most_over < 9e-3, "the rule is {most_over} s beyond what is taken");
 }
 
-/// White noise, and a sway at 0.5 Hz that is as large: the delay that is reported is the one measured by its phase,
-/// within a fifth; where noise is remembered for less than 50 ms motion is carried on, which makes up for delay at such slow
-/// sways, and no less than that is reported. A hand that is seen without noise, though it stands still and its samples are round-off, is
+/// White noise, and a sway at 0.5 Hz that is as large: the delay that is reported is the one
+/// measured by its phase, within a fifth; where noise is remembered for less than 50 ms motion is
+/// carried on, which makes up for delay at such slow sways, and no less than that is reported. A
+/// hand that is seen without noise, though it stands still and its samples are round-off, is
 /// reported to be quiet.
 #[test]
 fn noise_is_as_late_as_is_told() {

@@ -46,9 +46,10 @@ fn drag(run: &mut Run) -> Result<Drag, CaseError> {
     Ok(Drag { way, normal, shear: -shear, sticks: 1.0 - slides / area })
 }
 
-/// A half space (half of it, by symmetry) pressed by 0.5 mm, then dragged until all slides. With the way
-/// δ and `δ* = 3 μ F (2 - ν) / (16 a G)` at which all slides, `Q / μF = 1 - (1 - δ/δ*)^(3/2)`, and the part of
-/// the patch that still sticks is a disc of radius `c = a √(1 - δ/δ*)`.
+/// A half space (half of it, by symmetry) pressed by 0.5 mm, then dragged until all slides. With
+/// the way δ and `δ* = 3 μ F (2 - ν) / (16 a G)` at which all slides,
+/// `Q / μF = 1 - (1 - δ/δ*)^(3/2)`, and the part of the patch that still sticks is a disc of radius
+/// `c = a √(1 - δ/δ*)`.
 pub fn mindlin(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut run = solver.open(&MINDLIN, &[])?;
     let setup = run.setup();

@@ -68,7 +68,8 @@ fn negated(mut m: Matrix) -> Matrix {
     m
 }
 
-/// `∂f_i/∂q_j = [w I, turning]` of all bound nodes; by linear blending, turning is `-(w R_j x_ij)×`.
+/// `∂f_i/∂q_j = [w I, turning]` of all bound nodes; by linear blending, turning is
+/// `-(w R_j x_ij)×`.
 fn target_jacobian(world: &World) -> Matrix {
     let mut rows = vec![vec![0.0; coordinates(world, Some(SOFT))]; 3 * world.nodes(SOFT).len()];
     let (coupling, poses) = (&world.model().coupling, &world.state().poses_WB);

@@ -1,4 +1,5 @@
-//! Force and area over depth, as a plate comes up to a pad. Each curve is computed once in a run of the program.
+//! Force and area over depth, as a plate comes up to a pad. Each curve is computed once in a run of
+//! the program.
 
 use super::{HandVariant, PRESS};
 use crate::lab::press::Plate;
@@ -28,7 +29,8 @@ pub struct Curve {
     pub area: Vec<f64>,
     /// Part of the load that flesh bears, and not bone where it is crushed.
     pub skin: Vec<f64>,
-    /// Volume of the flesh within 10 mm of the place of touch (of a hand of 190 mm), over that at rest.
+    /// Volume of the flesh within 10 mm of the place of touch (of a hand of 190 mm), over that at
+    /// rest.
     pub volume: Vec<f64>,
     /// Mesh and step.
     pub setup: String,

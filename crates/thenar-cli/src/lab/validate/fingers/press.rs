@@ -84,7 +84,8 @@ pub fn held(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     Ok(figures)
 }
 
-/// Pawluk and Howe 1999: a press at once is exponential in depth; a held one relaxes by three exponentials and a constant.
+/// Pawluk and Howe 1999: a press at once is exponential in depth; a held one relaxes by three
+/// exponentials and a constant.
 pub fn relaxation(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     const H: f64 = 1e-3;
     // 2 mm at 100 mm/s, then still.

@@ -6,8 +6,8 @@ use crate::lab::validate::run::Solver;
 use thenar_core::model::HandModel;
 use thenar_core::{Mat3, Vec3};
 
-/// Mean and standard deviation \[mm\] of 66 radiographs (Buryanov and Kotiuk 2010), by bone. The metacarpals of the
-/// fingers are one bone with the palm here, and not among them.
+/// Mean and standard deviation \[mm\] of 66 radiographs (Buryanov and Kotiuk 2010), by bone. The
+/// metacarpals of the fingers are one bone with the palm here, and not among them.
 const RADIOGRAPHS: [(&str, f64, f64); 9] = [
     ("thumb-metacarpal", 46.2, 3.9),
     ("thumb-proximal", 31.6, 3.1),
@@ -58,8 +58,9 @@ pub fn lengths(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     Ok(figures)
 }
 
-/// de Leva 1996: of men, mass 0.0061 of 73 kg, centre at 0.3624 of the length from wrist to fingertip, radii of gyration
-/// 0.288, 0.235 and 0.184 of it about axes through the palm, across and along.
+/// de Leva 1996: of men, mass 0.0061 of 73 kg, centre at 0.3624 of the length from wrist to
+/// fingertip, radii of gyration 0.288, 0.235 and 0.184 of it about axes through the palm, across
+/// and along.
 pub fn mass(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for hand in HANDS {

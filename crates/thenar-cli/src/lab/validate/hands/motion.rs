@@ -5,7 +5,8 @@ use crate::lab::validate::case::{Basis, CaseError, Check, Figure};
 use crate::lab::validate::run::Solver;
 use thenar_core::model::JointKind;
 
-/// Limits of the flexion of a joint \[degrees\], of one that bends about two axes also of the other.
+/// Limits of the flexion of a joint \[degrees\], of one that bends about two axes also of the
+/// other.
 fn limits(
     run: &mut crate::lab::validate::run::Run,
     name: &str,
@@ -32,7 +33,8 @@ const RANGES: [(&str, f64, f64); 6] = [
     ("thumb-ip", -15.0, 80.0),
 ];
 
-/// Room that a joint is given beyond its range where the mesh rests outside it, 0.03 rad \[degrees\].
+/// Room that a joint is given beyond its range where the mesh rests outside it, 0.03 rad
+/// \[degrees\].
 const ROOM: f64 = 1.8;
 
 /// Case G3: ranges of motion.

@@ -19,7 +19,8 @@ pub fn layers(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     ])
 }
 
-/// T2: nominal stress `2μ/α (λ^(α-1) - λ^(-α/2-1))` \[kPa\] of an incompressible cube: μ \[kPa\], α, stretch, stress.
+/// T2: nominal stress `2μ/α (λ^(α-1) - λ^(-α/2-1))` \[kPa\] of an incompressible cube: μ \[kPa\],
+/// α, stretch, stress.
 const OGDEN: [(f64, f64, f64, f64); 8] = [
     (10.0, 8.0, 0.5, -79.98047),
     (10.0, 8.0, 0.7, -14.66887),
@@ -31,7 +32,8 @@ const OGDEN: [(f64, f64, f64, f64); 8] = [
     (12.9, 6.5, 0.9, -3.98769),
 ];
 
-/// The stress of the table is put on; the stretch that it makes has, by the closed form, this stress.
+/// The stress of the table is put on; the stretch that it makes has, by the closed form, this
+/// stress.
 pub fn ogden(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for (poisson, tolerance) in [(0.4999, 1e-3), (0.49, 0.03)] {

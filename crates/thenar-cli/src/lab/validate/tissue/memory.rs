@@ -69,8 +69,8 @@ fn half_sine(solver: Solver, time: f64) -> Result<(f64, String), CaseError> {
     Ok((1.0 - back / given, run.setup()))
 }
 
-/// Loss of a linear spring with the scene's memory, `F = x - Σ p`, `ṗ = (g x - p)/τ`, without tension; by the exact
-/// solution for a depth that goes straight in each of 20 000 steps.
+/// Loss of a linear spring with the scene's memory, `F = x - Σ p`, `ṗ = (g x - p)/τ`, without
+/// tension; by the exact solution for a depth that goes straight in each of 20 000 steps.
 fn linear_loss(time: f64) -> f64 {
     const FINE: u32 = 20_000;
     let h = time / f64::from(FINE);
@@ -101,7 +101,8 @@ fn linear_loss(time: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Figures of an independent script for the linear law: 65 to 78 % over 20 to 1000 ms, told to a percent.
+    /// Figures of an independent script for the linear law: 65 to 78 % over 20 to 1000 ms, told to
+    /// a percent.
     #[test]
     fn a_linear_spring_with_memory_loses_what_was_computed_elsewhere() {
         for time in [0.02, 0.05, 0.1, 0.3, 1.0] {

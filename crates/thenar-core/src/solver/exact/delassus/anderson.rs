@@ -1,19 +1,19 @@
 //! Acceleration of the sweeps: Anderson's mixing of the last few.
 //!
-//! A sweep takes impulses x to g(x); wanted is g(x) = x. Of the last sweeps the affine combination is
-//! taken whose changes f = g - x sum to the least (least squares, damped), and the next sweep starts
-//! from the same combination of their results, brought back into the friction cones (Anderson 1965;
-//! Walker and Ni 2011). Velocities at the contacts are affine in the impulses, so they are combined
-//! alike: no product with W is needed, but for what the cones change.
+//! A sweep takes impulses x to g(x); wanted is g(x) = x. Of the last sweeps the affine combination
+//! is taken whose changes f = g - x sum to the least (least squares, damped), and the next sweep
+//! starts from the same combination of their results, brought back into the friction cones
+//! (Anderson 1965; Walker and Ni 2011). Velocities at the contacts are affine in the impulses, so
+//! they are combined alike: no product with W is needed, but for what the cones change.
 //!
-//! Contact is smooth only piece by piece, and a combination across a kink may lead away. So the mixing is
-//! guarded: where a sweep changes more than twice the least that any has since the history began,
-//! the history is dropped and plain sweeps go on.
+//! Contact is smooth only piece by piece, and a combination across a kink may lead away. So the
+//! mixing is guarded: where a sweep changes more than twice the least that any has since the
+//! history began, the history is dropped and plain sweeps go on.
 
 /// Sweeps that are combined at most.
 const KEPT: usize = 15;
-/// Damping of the least squares, in parts of each difference's own square: where the changes are alike (load
-/// that creeps from contact to contact) it bounds how far a combination goes.
+/// Damping of the least squares, in parts of each difference's own square: where the changes are
+/// alike (load that creeps from contact to contact) it bounds how far a combination goes.
 const DAMPING: f64 = 0.02;
 /// A sweep that changes so much more than the best of the history ends it.
 const GROWTH: f64 = 2.0;
@@ -30,7 +30,8 @@ pub const FULL: u32 = PLAIN + KEPT as u32;
 pub struct Anderson {
     /// Room of one sweep in the lists.
     stride: usize,
-    /// Changes, weighted so that their squares are energies, results, and velocities at these, in a ring.
+    /// Changes, weighted so that their squares are energies, results, and velocities at these, in a
+    /// ring.
     changes: Vec<f64>,
     results: Vec<f64>,
     velocities: Vec<f64>,
@@ -65,8 +66,8 @@ impl Anderson {
         (self.kept, self.oldest, self.least, self.plain) = (0, 0, f64::INFINITY, PLAIN);
     }
 
-    /// Takes in a sweep: what it changed, weighted, to which impulses, and the velocities there. Replaces
-    /// the last two by the combination. False when there is none to go on from.
+    /// Takes in a sweep: what it changed, weighted, to which impulses, and the velocities there.
+    /// Replaces the last two by the combination. False when there is none to go on from.
     pub fn mix(&mut self, change: &[f64], result: &mut [f64], velocity: &mut [f64]) -> bool {
         let size = dot(change, change);
         self.least = self.least.min(size);
@@ -184,8 +185,8 @@ mod tests {
     use crate::testing::Random;
     use nalgebra::{DMatrix, DVector};
 
-    /// Gauss-Seidel on a chain of springs, which creeps, comes to the dense solution; velocities stay those of
-    /// the impulses.
+    /// Gauss-Seidel on a chain of springs, which creeps, comes to the dense solution; velocities
+    /// stay those of the impulses.
     #[test]
     fn a_slow_linear_iteration_comes_to_the_dense_solution() {
         let mut random = Random::new(5);

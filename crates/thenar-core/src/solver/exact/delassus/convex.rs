@@ -7,10 +7,10 @@
 //! ```
 //!
 //! and is the optimum of a convex problem, `½ λᵀ W λ + (b + s e_n)·λ` over K. Impulses that slip as
-//! it was assumed of them obey the law, and there are such slips where zero velocity obeys all rows (Acary, Cadoux,
-//! Lemaréchal and Malick 2011). Each problem tells the slips of the next, half of
-//! their way; what Newton's method makes of its impulses is tried now and then. A problem is brought nearer to its
-//! optimum by alternating directions (ADMM; Boyd et al. 2011, Sec. 5),
+//! it was assumed of them obey the law, and there are such slips where zero velocity obeys all rows
+//! (Acary, Cadoux, Lemaréchal and Malick 2011). Each problem tells the slips of the next, half of
+//! their way; what Newton's method makes of its impulses is tried now and then. A problem is
+//! brought nearer to its optimum by alternating directions (ADMM; Boyd et al. 2011, Sec. 5),
 //!
 //! ```text
 //!   x = (W + ρ)⁻¹ (ρ (z - u) - b - s e_n),   z ← K(x + u),   u ← u + x - z
@@ -28,8 +28,9 @@ use fearless_simd::Simd;
 
 /// Members at most: with more, the factor costs as much as sweeps are allowed to.
 pub const MEMBERS_MAX: usize = 128;
-/// Penalty of the alternating directions, in a contact's own response, and Boyd's usual over-relaxation. Nine steps
-/// of jammed hands converge with a penalty of 0.1 as well; with 1 two of them do not within 48 problems.
+/// Penalty of the alternating directions, in a contact's own response, and Boyd's usual
+/// over-relaxation. Nine steps of jammed hands converge with a penalty of 0.1 as well; with 1 two
+/// of them do not within 48 problems.
 const PENALTY: f64 = 0.3;
 const RELAXATION: f64 = 1.6;
 /// Alternations for each problem: it need not be solved, as the next one is another.
@@ -80,7 +81,8 @@ impl Convex {
         }
     }
 
-    /// Begins at the present impulses of the members, whose velocities are `d`; false where there are too many.
+    /// Begins at the present impulses of the members, whose velocities are `d`; false where there
+    /// are too many.
     #[inline(always)]
     pub fn begin<S: Simd>(
         &mut self,
@@ -136,8 +138,8 @@ impl Convex {
         true
     }
 
-    /// Goes towards the optimum for the present slips, and takes half of what it says of these; false where numbers
-    /// make no sense.
+    /// Goes towards the optimum for the present slips, and takes half of what it says of these;
+    /// false where numbers make no sense.
     #[inline(always)]
     pub fn go_on<S: Simd>(&mut self, simd: S, W: &Compliance) -> bool {
         let n = self.scale.len();
@@ -222,10 +224,11 @@ mod tests {
     use crate::testing::Random;
     use fearless_simd::{Level, dispatch};
 
-    /// A step of a hand that is jammed between a toy car, a wall and itself, as a soak at 60 Hz came to it: 39 contacts
-    /// and seven limits of joints. Of each member whether it is a limit (1 or 0), its friction, its impulse \[N s\] and the
-    /// velocity there less the target \[m/s\], as doubles; then the lower triangle of W \[1/kg\], row by row, as floats.
-    /// Numbers are little-endian.
+    /// A step of a hand that is jammed between a toy car, a wall and itself, as a soak at 60 Hz
+    /// came to it: 39 contacts and seven limits of joints. Of each member whether it is a limit (1
+    /// or 0), its friction, its impulse \[N s\] and the velocity there less the target \[m/s\], as
+    /// doubles; then the lower triangle of W \[1/kg\], row by row, as floats. Numbers are
+    /// little-endian.
     const STEP: &[u8] = include_bytes!("jammed-hand.bin");
     const MEMBERS: usize = 46;
     const ROWS: usize = (3 * MEMBERS).next_multiple_of(LANES);
@@ -302,8 +305,9 @@ mod tests {
         }
     }
 
-    /// From impulses that are millimetres per second off the law, which all sweeps of the step had come to, convex problems lead to
-    /// some that obey it to the tolerance; also where one of the limits opens, or a contact cannot move.
+    /// From impulses that are millimetres per second off the law, which all sweeps of the step had
+    /// come to, convex problems lead to some that obey it to the tolerance; also where one of the
+    /// limits opens, or a contact cannot move.
     #[test]
     fn a_jammed_step_is_solved() {
         let members: [u32; MEMBERS] = std::array::from_fn(|m| m as u32);
@@ -335,7 +339,8 @@ mod tests {
         assert_eq!(tried, 8);
     }
 
-    /// A contact whose sides cannot move and yet close, as between two driven bodies, bears nothing, and spoils nothing.
+    /// A contact whose sides cannot move and yet close, as between two driven bodies, bears
+    /// nothing, and spoils nothing.
     #[test]
     fn what_cannot_move_is_left_out() {
         let members: [u32; MEMBERS] = std::array::from_fn(|m| m as u32);

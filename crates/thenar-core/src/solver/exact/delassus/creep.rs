@@ -1,16 +1,16 @@
 //! Load that creeps from contact to contact.
 //!
-//! Two contacts that hold nearly the same thing back, sliding, may hand load to each other by a little in every sweep,
-//! in one direction, until one has none: with friction the common response of the two need not be positive, what a
-//! sweep changes then even grows, and what mixing leads to is the other way. So sweeps that ran out first go along with
-//! what they change,
+//! Two contacts that hold nearly the same thing back, sliding, may hand load to each other by a
+//! little in every sweep, in one direction, until one has none: with friction the common response
+//! of the two need not be positive, what a sweep changes then even grows, and what mixing leads to
+//! is the other way. So sweeps that ran out first go along with what they change,
 //!
 //! ```text
 //!   λ ← λ + t Δ,  t = r + r² + ... = r/(1 - r), but at most until a contact has lost its load,
 //! ```
 //!
-//! where Δ is what the last sweep changed and r how much of what the one before did. A part of a step of a soaked hand
-//! that 1600 sweeps did not settle took one of these, as long as 4398 sweeps.
+//! where Δ is what the last sweep changed and r how much of what the one before did. A part of a
+//! step of a soaked hand that 1600 sweeps did not settle took one of these, as long as 4398 sweeps.
 
 use super::sweeps::{visit, within};
 use crate::math::Vec3;
@@ -22,8 +22,8 @@ use fearless_simd::Simd;
 
 /// Times that sweeps are led on in a row.
 const LEADS_MAX: u32 = 16;
-/// Sweeps creep where this part of what one changes is left in the next. Of what shrinks faster 200 sweeps leave
-/// less than 1e-9.
+/// Sweeps creep where this part of what one changes is left in the next. Of what shrinks faster 200
+/// sweeps leave less than 1e-9.
 const CREEPS: f64 = 0.9;
 
 /// What sweeps work on.
@@ -39,8 +39,8 @@ pub(super) struct Creeping<'a> {
 }
 
 impl Creeping<'_> {
-    /// Sweeps, and goes along with what they change as long as they creep. `change` is work space, three numbers a
-    /// member. Returns how many sweeps there were.
+    /// Sweeps, and goes along with what they change as long as they creep. `change` is work space,
+    /// three numbers a member. Returns how many sweeps there were.
     #[inline(always)]
     pub fn lead_on<S: Simd>(&mut self, simd: S, change: &mut [f64]) -> u32 {
         for lead in 0..LEADS_MAX {
@@ -56,8 +56,8 @@ impl Creeping<'_> {
         2 * LEADS_MAX
     }
 
-    /// One sweep; what it changes takes the place of what the one before did. Returns squares, by the members' own
-    /// response: of its change, and of it along the one before.
+    /// One sweep; what it changes takes the place of what the one before did. Returns squares, by
+    /// the members' own response: of its change, and of it along the one before.
     #[inline(always)]
     fn sweep<S: Simd>(&mut self, simd: S, change: &mut [f64]) -> [f64; 2] {
         let mut squares = [0.0; 2];
@@ -74,7 +74,8 @@ impl Creeping<'_> {
         squares
     }
 
-    /// Goes along with a sweep's change of which so much is left in the next one; false where nothing ends that.
+    /// Goes along with a sweep's change of which so much is left in the next one; false where
+    /// nothing ends that.
     #[inline(always)]
     fn lead<S: Simd>(&mut self, simd: S, left: f64, change: &[f64]) -> bool {
         let change = change.as_chunks::<3>().0;
@@ -116,8 +117,8 @@ mod tests {
 
     const FRICTION: f64 = 0.55;
 
-    /// Two contacts of one thing, which slides along both: normals θ apart, the first's slip along their plane. A
-    /// little of each contact's response is its own.
+    /// Two contacts of one thing, which slides along both: normals θ apart, the first's slip along
+    /// their plane. A little of each contact's response is its own.
     struct Pair {
         W: Compliance,
         contacts: ContactRows,
@@ -199,8 +200,9 @@ mod tests {
         }
     }
 
-    /// Loads near those at which both contacts would rest, which sweeps lead away from: what is off grows by
-    /// `M₁₂ M₂₁/(M₁₁ M₂₂)` in each, and the second contact loses its load. The first one then bears all.
+    /// Loads near those at which both contacts would rest, which sweeps lead away from: what is off
+    /// grows by `M₁₂ M₂₁/(M₁₁ M₂₂)` in each, and the second contact loses its load. The first one
+    /// then bears all.
     #[test]
     fn a_contact_that_loses_its_load_by_little_and_little_loses_it_at_once() {
         for (theta, off) in [(0.48, 1e-2), (0.49, 1e-2), (0.48, 1e-1), (0.4, 1e-3)] {

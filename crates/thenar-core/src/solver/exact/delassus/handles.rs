@@ -1,9 +1,9 @@
 //! What contacts pull on: the columns that their rows are made of.
 //!
-//! Contacts on one coarse tetrahedron pull on the same four nodes, so their rows are combinations of
-//! few columns, `J_c = B Eᵀ`, and with them `W = B (Eᵀ K⁻¹ E) Bᵀ`. A column of E is a *handle*: an
-//! axis of a node or of a body's motion. Where contacts lie so far apart that these would be more
-//! than the contacts' own axes, each axis is a handle itself. A turn has one axis only.
+//! Contacts on one coarse tetrahedron pull on the same four nodes, so their rows are combinations
+//! of few columns, `J_c = B Eᵀ`, and with them `W = B (Eᵀ K⁻¹ E) Bᵀ`. A column of E is a *handle*:
+//! an axis of a node or of a body's motion. Where contacts lie so far apart that these would be
+//! more than the contacts' own axes, each axis is a handle itself. A turn has one axis only.
 
 use super::nodes_of;
 use crate::room::Room;

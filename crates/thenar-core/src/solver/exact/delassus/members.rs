@@ -114,8 +114,9 @@ impl Members {
         self.list.len() < before
     }
 
-    /// Orders the members from `first` on: neighbours in space follow each other, so that load passes on within a sweep,
-    /// and a batch reaches less of the flesh; those without flesh come last.
+    /// Orders the members from `first` on: neighbours in space follow each other, so that load
+    /// passes on within a sweep, and a batch reaches less of the flesh; those without flesh come
+    /// last.
     pub fn arrange(&mut self, first: usize, contacts: &ContactRows, place: &[u32]) {
         self.list[first..].sort_unstable_by_key(|&m| {
             let node = nodes_of(contacts, &contacts.rows[m as usize]).next();

@@ -73,8 +73,8 @@ pub struct Delassus {
     applied: Vec<Vec3>,
     /// True `J Δv` less its target of every contact at the impulse `applied`, from which W goes on.
     measured: Vec<Vec3>,
-    /// Values of `measured` before the first sweep of the step, and the most that sweeps have moved a contact
-    /// from there \[m/s\].
+    /// Values of `measured` before the first sweep of the step, and the most that sweeps have moved
+    /// a contact from there \[m/s\].
     first: Vec<Vec3>,
     moved: f64,
     /// Sweeps of the step, and those that Newton's method has cost as much as.
@@ -152,8 +152,8 @@ impl Delassus {
         self.members.clear();
     }
 
-    /// Goes on with other rows for the same contacts, no impulse yet; what asks for one joins. False when
-    /// none does.
+    /// Goes on with other rows for the same contacts, no impulse yet; what asks for one joins.
+    /// False when none does.
     pub fn begin_push(
         &mut self,
         contacts: &ContactRows,
@@ -180,8 +180,8 @@ impl Delassus {
         }
     }
 
-    /// How far the present impulses are from the law at the velocities measured \[m/s\]; infinite for the linearised
-    /// cone, which is not asked.
+    /// How far the present impulses are from the law at the velocities measured \[m/s\]; infinite
+    /// for the linearised cone, which is not asked.
     pub fn strays(&self, contacts: &ContactRows, cone: Cone) -> f64 {
         if cone == Cone::Linearised {
             return f64::INFINITY;
@@ -205,7 +205,8 @@ impl Delassus {
         any
     }
 
-    /// Adds to the residual what the impulses are more than was measured; false when that is nothing.
+    /// Adds to the residual what the impulses are more than was measured; false when that is
+    /// nothing.
     pub fn load_more(
         &self,
         system: &System<'_>,
@@ -259,8 +260,8 @@ impl Delassus {
         f64::from(self.W.at(row, column))
     }
 
-    /// `to = Hᵀ g` for all contacts of W, one number per column, H being what they pull on the bodies,
-    /// half solved; g holds the half-solved freedoms `dofs`, all others are zero.
+    /// `to = Hᵀ g` for all contacts of W, one number per column, H being what they pull on the
+    /// bodies, half solved; g holds the half-solved freedoms `dofs`, all others are zero.
     pub fn pulled_by(&mut self, g: &[f64], dofs: &Range<usize>, to: &mut Vec<f64>) {
         self.columns.pulled_by(g, dofs, &mut self.per_handle);
         to.clear();

@@ -1,9 +1,10 @@
 //! Newton's method on the contact law, where sweeps creep.
 //!
-//! Sweeps pass load on from contact to contact. Where many contacts hold a body that is light for their
-//! stiffness, thousands of them are needed, and what each changes says little of what is left. So once
-//! sweeps have cost as much as a factorisation of the pressing contacts, the law is solved for all of these
-//! at once, as the root of (Alart and Curnier 1991; d is affine in the impulses, `Δd = W Δλ`)
+//! Sweeps pass load on from contact to contact. Where many contacts hold a body that is light for
+//! their stiffness, thousands of them are needed, and what each changes says little of what is
+//! left. So once sweeps have cost as much as a factorisation of the pressing contacts, the law is
+//! solved for all of these at once, as the root of (Alart and Curnier 1991; d is affine in the
+//! impulses, `Δd = W Δλ`)
 //!
 //! ```text
 //!   d_n = 0                                pressing, of those that keep an impulse λ_n - d_n / w_n > 0
@@ -12,9 +13,10 @@
 //!   λ_t = μ λ_n z / |z|                    sliding
 //! ```
 //!
-//! w is the contact's own response. The root is sought by steps with the derivative on the present piece
-//! of each condition, shortened where that brings the law nearer; what a step would change tells how far the
-//! one before was off. Pieces may alternate for ever: then impulses are put back, and sweeps go on.
+//! w is the contact's own response. The root is sought by steps with the derivative on the present
+//! piece of each condition, shortened where that brings the law nearer; what a step would change
+//! tells how far the one before was off. Pieces may alternate for ever: then impulses are put back,
+//! and sweeps go on.
 
 use super::Delassus;
 use super::anderson::FULL;
@@ -34,31 +36,34 @@ use fearless_simd::Simd;
 const PRESSING_MAX: usize = 96;
 /// Steps of one attempt at most.
 const STEPS_MAX: u32 = 60;
-/// A step that, made whole, would change no velocity by more than this part of the tolerance has come close: what
-/// it changes shrinks as its square near the root, and hardly at all where the root is on another piece. How much
-/// of it was made says nothing: at the root round-off hides whether the law comes nearer.
+/// A step that, made whole, would change no velocity by more than this part of the tolerance has
+/// come close: what it changes shrinks as its square near the root, and hardly at all where the
+/// root is on another piece. How much of it was made says nothing: at the root round-off hides
+/// whether the law comes nearer.
 const CLOSE: f64 = 0.1;
-/// Steps of this kind in a row that end an attempt: after the first, a sweep may still find a contact on another
-/// piece.
+/// Steps of this kind in a row that end an attempt: after the first, a sweep may still find a
+/// contact on another piece.
 const CALM: u32 = 2;
 /// Parts of a step, tried until one brings the law nearer.
 const PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
-/// Where none does, as at the border of a piece, so much is made all the same: the next step is on another
-/// piece. Attempts take turns: half a step crosses most borders, where grasps slide; a small part is safer where
-/// a body is jammed. With either alone steps of both kinds ran out.
+/// Where none does, as at the border of a piece, so much is made all the same: the next step is on
+/// another piece. Attempts take turns: half a step crosses most borders, where grasps slide; a
+/// small part is safer where a body is jammed. With either alone steps of both kinds ran out.
 const ACROSS: [f64; 2] = [0.5, 0.015625];
-/// Every third attempt walks by convex problems (`convex`), as does one for which the sweeps' share is used up; so often
-/// in a step at most.
+/// Every third attempt walks by convex problems (`convex`), as does one for which the sweeps' share
+/// is used up; so often in a step at most.
 const KINDS: u32 = 3;
 const WALKS_MAX: u32 = 2;
-/// Numbers of convex problems after which Newton's method is tried, and steps that it may then make: a walk of n
-/// contacts costs as much as `1900 + 48 n` sweeps, no more than the sweeps and steps that ran out before.
+/// Numbers of convex problems after which Newton's method is tried, and steps that it may then
+/// make: a walk of n contacts costs as much as `1900 + 48 n` sweeps, no more than the sweeps and
+/// steps that ran out before.
 const TRIED_AFTER: [u32; 4] = [8, 16, 32, 64];
 const TRIAL_STEPS: u32 = 12;
 /// A part of a step must bring the law nearer by so much of itself (Armijo).
 const DESCENT: f64 = 0.2;
-/// Added to each contact's own response, in parts of it: ten times the round-off of W, which is of single
-/// precision. Contacts that share a load at will (four under a rigid box) then share it evenly.
+/// Added to each contact's own response, in parts of it: ten times the round-off of W, which is of
+/// single precision. Contacts that share a load at will (four under a rigid box) then share it
+/// evenly.
 const REGULAR: f64 = 10.0 * f32::EPSILON as f64;
 
 /// Work space.
@@ -99,9 +104,10 @@ impl Newton {
 }
 
 impl Delassus {
-    /// How many sweeps cost as much as a step of Newton's method for the members that press now: `2 (3 n)²`
-    /// operations each, against `2/3 (3 n)³`; no fewer than mixing needs to show what it can do, as sweeps stay nearer
-    /// to the impulses of the step before. More than are ever made, where no step is.
+    /// How many sweeps cost as much as a step of Newton's method for the members that press now:
+    /// `2 (3 n)²` operations each, against `2/3 (3 n)³`; no fewer than mixing needs to show what it
+    /// can do, as sweeps stay nearer to the impulses of the step before. More than are ever made,
+    /// where no step is.
     pub(super) fn sweeps_worth_steps(&self, contacts: &ContactRows, cone: Cone) -> u32 {
         let rows = || self.members.list().iter().map(|&i| &contacts.rows[i as usize]);
         let pressing = rows().filter(|row| row.lambda.x > 0.0).count();
@@ -111,8 +117,8 @@ impl Delassus {
         if may { FULL.max(pressing as u32) } else { u32::MAX }
     }
 
-    /// Goes on from the present impulses by Newton's method, for this attempt of a solve. The error that is left
-    /// \[m/s\]; `None` where it leads nowhere, with the impulses as they were.
+    /// Goes on from the present impulses by Newton's method, for this attempt of a solve. The error
+    /// that is left \[m/s\]; `None` where it leads nowhere, with the impulses as they were.
     #[inline(always)]
     pub(super) fn improve<S: Simd>(
         &mut self,
@@ -237,8 +243,8 @@ impl Delassus {
         None
     }
 
-    /// Brings impulses into their cones and sweeps once; returns the most that a contact changed its own
-    /// velocity \[m/s\].
+    /// Brings impulses into their cones and sweeps once; returns the most that a contact changed
+    /// its own velocity \[m/s\].
     #[inline(always)]
     fn plain_sweep<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows, cone: Cone) -> f64 {
         let Self { members, W, own, d, .. } = self;
@@ -273,8 +279,8 @@ impl Delassus {
             .sum()
     }
 
-    /// Makes a step, or as much of it as brings the law nearer, or `across` of it; returns the most that all of it
-    /// would change a contact's velocity \[m/s\].
+    /// Makes a step, or as much of it as brings the law nearer, or `across` of it; returns the most
+    /// that all of it would change a contact's velocity \[m/s\].
     #[inline(always)]
     fn newton_step<S: Simd>(
         &mut self,
@@ -346,7 +352,8 @@ impl Delassus {
     }
 }
 
-/// One condition, made linear: `own · δλ + seen · δd = -value` for its contact's own impulse and velocity.
+/// One condition, made linear: `own · δλ + seen · δd = -value` for its contact's own impulse and
+/// velocity.
 #[derive(Clone, Copy, Debug)]
 struct Condition {
     value: f64,
@@ -452,7 +459,8 @@ mod tests {
         assert!(stuck > 10 && slid > 50, "{stuck} stuck, {slid} slid");
     }
 
-    /// The derivative of the conditions is that of central differences, on every piece but for what keeps the system regular.
+    /// The derivative of the conditions is that of central differences, on every piece but for what
+    /// keeps the system regular.
     #[test]
     fn the_conditions_are_made_linear() {
         let mut random = Random::new(32);

@@ -18,18 +18,19 @@ use fearless_simd::{Simd, dispatch};
 const LAST: u32 = 8;
 /// What mixing expects is believed when this many sweeps agree: the first ones know few directions.
 const LOOKS: usize = 5;
-/// Steps of Newton's method cost at most this many times what the sweeps do that run out otherwise. With one time
-/// 11 of 162 steps of `bread-grasp` missed the tolerance, with four 1 does, and the slowest of a hundred takes a fifth
-/// less time: where steps end before the sweeps do, sweeps are made no longer.
+/// Steps of Newton's method cost at most this many times what the sweeps do that run out otherwise.
+/// With one time 11 of 162 steps of `bread-grasp` missed the tolerance, with four 1 does, and the
+/// slowest of a hundred takes a fifth less time: where steps end before the sweeps do, sweeps are
+/// made no longer.
 const NEWTON_SHARE: u32 = 4;
 /// Times that Newton's method may fail before what mixing expects is believed all the same.
 const ATTEMPTS: u32 = 3;
-/// What all further sweeps change is taken to be this many times what mixing expects: twice the factor for
-/// bodies that move more than their contacts, as the history knows only some directions.
+/// What all further sweeps change is taken to be this many times what mixing expects: twice the
+/// factor for bodies that move more than their contacts, as the history knows only some directions.
 const EXPECTED_SAFETY: f64 = 2.0 * SAFETY;
-/// Velocities that W tells are known to this part of what a contact does to its own: W is of single precision.
-/// Contacts that share a load at will contradict each other by as much, and no sweep settles that; the next round
-/// goes on from the true velocities.
+/// Velocities that W tells are known to this part of what a contact does to its own: W is of single
+/// precision. Contacts that share a load at will contradict each other by as much, and no sweep
+/// settles that; the next round goes on from the true velocities.
 const ROUND_OFF: f64 = f32::EPSILON as f64;
 
 /// What sweeps came to.
@@ -43,15 +44,17 @@ pub struct Swept {
 
 impl Delassus {
     /// Finds impulses from the present ones by sweeps over the members, until one changes no
-    /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
-    /// further ones together are not expected to change any velocity by more: as their mixing tells, or,
-    /// where they are plain, a geometric series. Velocities are sought no finer than W tells them. Where sweeps have
-    /// cost as much as Newton's method, it takes over (`newton`); where it fails, limits of joints are held from then on
-    /// (`turns`). Where they run out before, the residual is the larger of what the last sweep changed and what the last
-    /// mixing expected; it is no more than sweeps have moved a contact in this step, but enough above the tolerance not
-    /// to pass for converged.
+    /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all further
+    /// ones together are not expected to change any velocity by more: as their mixing tells, or,
+    /// where they are plain, a geometric series. Velocities are sought no finer than W tells them.
+    /// Where sweeps have cost as much as Newton's method, it takes over (`newton`); where it fails,
+    /// limits of joints are held from then on (`turns`). Where they run out before, the residual is
+    /// the larger of what the last sweep changed and what the last mixing expected; it is no more
+    /// than sweeps have moved a contact in this step, but enough above the tolerance not to pass
+    /// for converged.
     ///
-    /// `ran_out` says that those of the round before did: these begin where a creep of load ends (`creep`).
+    /// `ran_out` says that those of the round before did: these begin where a creep of load ends
+    /// (`creep`).
     pub fn solve(
         &mut self,
         contacts: &mut ContactRows,
@@ -184,7 +187,8 @@ impl Delassus {
             let change = largest_change(before, d);
             let last = convergence.iterations + LAST > sweeps_max;
             convergence.residual = own_change.max(decay.error_after(change));
-            // Where Newton's method is worth it, estimates are not believed, unless it failed often.
+            // Where Newton's method is worth it, estimates are not believed, unless it failed
+            // often.
             let believed = *swept < worth || attempts >= ATTEMPTS || worth > budget;
             // After a mixing one plain sweep says nothing of what shrinks slowest.
             if convergence.residual <= tolerance && (last || !mixed || change == 0.0) {

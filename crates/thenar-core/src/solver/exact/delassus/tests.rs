@@ -67,8 +67,8 @@ fn shared_columns_give_the_dense_compliance() {
     assert_eq!(compare_with_dense(5), 3 * 5 + 6 * BODIES + 5, "nodes, bodies and turns");
 }
 
-/// 35 contacts on the first `nodes` nodes and on bodies, and five turns. Returns how many columns were
-/// solved for.
+/// 35 contacts on the first `nodes` nodes and on bodies, and five turns. Returns how many columns
+/// were solved for.
 fn compare_with_dense(nodes: usize) -> usize {
     let mut random = Random::new(23);
     let positions: Vec<Vec3> = (0..NODES).map(|_| random.vec3(0.5)).collect();

@@ -1,8 +1,9 @@
 //! Limits of joints that press, held while contacts are visited.
 //!
-//! A body that touches and whose joint is at its limit passes load from contact to limit and back: each visit of
-//! one undoes the other, and where friction pulls on a long lever this never ends. So limits L that press give way
-//! within each visit (block Gauss-Seidel): the contact m sees the response
+//! A body that touches and whose joint is at its limit passes load from contact to limit and back:
+//! each visit of one undoes the other, and where friction pulls on a long lever this never ends. So
+//! limits L that press give way within each visit (block Gauss-Seidel): the contact m sees the
+//! response
 //!
 //! ```text
 //!   W_mm - W_mL W_LL⁻¹ W_Lm
@@ -109,7 +110,8 @@ impl Turns {
             }
         }
         if !small_cholesky::factor(&mut self.gram[..k * k], k) {
-            // Limits that depend on each other share the load in any way: they are visited one by one.
+            // Limits that depend on each other share the load in any way: they are visited one by
+            // one.
             self.held.clear();
         }
         self.is_held[..n].fill(false);
@@ -117,7 +119,8 @@ impl Turns {
         for m in 0..n {
             let own = W.own(m);
             let left = own - self.given_way(W, m);
-            // What limits take all of leaves nothing but round-off: such a contact answers by itself.
+            // What limits take all of leaves nothing but round-off: such a contact answers by
+            // itself.
             let sound = left.symmetric_eigenvalues().min() > PIVOT_LEAST * own.trace();
             self.own[m] = Response::new(if sound { &left } else { &own });
         }
@@ -199,8 +202,8 @@ mod tests {
     use crate::testing::Random;
     use fearless_simd::{Level, dispatch};
 
-    /// Sweeps over a contact and the limit of a joint, of a thing of 1 kg that touches with one point on a long
-    /// lever, until they change nothing; the last change \[m/s\].
+    /// Sweeps over a contact and the limit of a joint, of a thing of 1 kg that touches with one
+    /// point on a long lever, until they change nothing; the last change \[m/s\].
     fn swept(random: &mut Random, gives_way: bool) -> f64 {
         let turn = *random.rotation(3.1).to_rotation_matrix().matrix();
         let gyration = Vec3::from_fn(|_, _| random.range(0.2, 1.0));
@@ -260,8 +263,8 @@ mod tests {
         change
     }
 
-    /// A hinge that rests against a wall on its lever and against its limit, which share the load: what the limit
-    /// leaves of the contact's motion is round-off, and no impulse comes of it.
+    /// A hinge that rests against a wall on its lever and against its limit, which share the load:
+    /// what the limit leaves of the contact's motion is round-off, and no impulse comes of it.
     #[test]
     fn a_hinge_between_a_wall_and_its_limit_bears_what_it_is_loaded_with() {
         let mut random = Random::new(41);
@@ -293,8 +296,8 @@ mod tests {
                     turns.settle(simd, &members, &mut contacts, &W, &mut d);
                 }
             });
-            // The impulse that stops it, on the lever of the limit, or more where the two jam: by friction never more
-            // than a thousand times.
+            // The impulse that stops it, on the lever of the limit, or more where the two jam: by
+            // friction never more than a thousand times.
             let most = contacts.rows.iter().map(|row| row.lambda.norm()).fold(0.0, f64::max);
             assert!(most < 1e3 / yields, "case {case}: {most}");
             assert!(d[3].abs() < 1e-3, "case {case}: {d:?}");

@@ -1,5 +1,5 @@
-//! What a step may spend on the law of contact, counted in multiply-adds: a count is the same on every machine, a
-//! time is not.
+//! What a step may spend on the law of contact, counted in multiply-adds: a count is the same on
+//! every machine, a time is not.
 
 /// Multiply-adds done in a step, and how many it may do.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,8 @@ pub fn of_sweep(n: usize) -> u64 {
     9 * (n * n) as u64
 }
 
-/// A step of Newton's method for `pressing` of n contacts: the system's rows, its factor, what the step does to all.
+/// A step of Newton's method for `pressing` of n contacts: the system's rows, its factor, what the
+/// step does to all.
 pub fn of_newton_step(pressing: usize, n: usize) -> u64 {
     let (p, n) = (pressing as u64, n as u64);
     9 * p * p * (p + 1) + 9 * p * n

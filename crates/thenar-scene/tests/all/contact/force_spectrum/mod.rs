@@ -1,9 +1,9 @@
-//! Goal: in slow motion the force follows position without flicker. Method: things drawn and rolled at
-//! 20 mm/s over a finger of the default hand, over one of the paper's and over a soft pad, and the finger over the pad,
-//! at 1 ms steps once they are pressed. The part of the
-//! net force above 50 Hz (rms over the three components, Hann window, straight trend removed) is below
-//! 0.5 % of the mean force: amplitudes, not their squares. At half the speed the largest change of force
-//! and torque in a step is half.
+//! Goal: in slow motion the force follows position without flicker. Method: things drawn and rolled
+//! at 20 mm/s over a finger of the default hand, over one of the paper's and over a soft pad, and
+//! the finger over the pad, at 1 ms steps once they are pressed. The part of the net force above 50
+//! Hz (rms over the three components, Hann window, straight trend removed) is below 0.5 % of the
+//! mean force: amplitudes, not their squares. At half the speed the largest change of force and
+//! torque in a step is half.
 
 mod over_fingertips;
 mod soft_pad;
@@ -176,7 +176,8 @@ pub(super) fn largest_change(wrenches: &[[Vec3; 2]]) -> [f64; 2] {
     [0, 1].map(|k| change(k).fold(0.0, f64::max))
 }
 
-/// Steps to the end, long ones until the thing is pressed on; `each` hears the time after each step.
+/// Steps to the end, long ones until the thing is pressed on; `each` hears the time after each
+/// step.
 fn run(session: &mut Session, end: f64, mut each: impl FnMut(f64, &World)) {
     while session.world().time() < end - 0.5 * H {
         let pressed = session.world().time() > PRESSED - 0.5 * H;
@@ -323,8 +324,8 @@ fn a_ball_of_triangles_is_drawn_and_rolls_over_a_fingertip() {
     std::fs::remove_file(&file).unwrap();
 }
 
-/// A capsule that is slim beside the triangles of the pad, along and across its axis; also without friction, so that
-/// nothing sticks and slips.
+/// A capsule that is slim beside the triangles of the pad, along and across its axis; also without
+/// friction, so that nothing sticks and slips.
 #[test]
 fn a_slim_capsule_is_drawn_over_a_pad() {
     let slim = Case {

@@ -3,7 +3,8 @@
 use super::{BALL, Case, check_spectrum};
 use thenar_testing::one_in;
 
-/// Name, shape and start rotation (TOML), and from the centre to the point that touches first \[m\].
+/// Name, shape and start rotation (TOML), and from the centre to the point that touches first
+/// \[m\].
 type Thing = (&'static str, &'static str, &'static str, f64);
 
 const UPRIGHT: &str = "{ axis = [0, 0, 1], angle = 0 }";
@@ -126,15 +127,16 @@ fn check_share(cases: Vec<(String, Case<'static>)>) {
     }
 }
 
-/// A fixed share runs here; all of them: `THENAR_CASES=all cargo test -p thenar-scene --test all round_things -- --nocapture`.
+/// A fixed share runs here; all of them:
+/// `THENAR_CASES=all cargo test -p thenar-scene --test all round_things -- --nocapture`.
 #[test]
 fn round_things_are_drawn_over_a_fingertip() {
     let ways = [[0.0, 0.0, 0.006], [0.004, 0.0, 0.001]];
     check_share(drawn(&ROUND, ways, &[0.0015, 0.001], BALL.speed));
 }
 
-/// At 10 mm/s: a corner that passes from one flat triangle of the skin to the next turns its path there, and what that
-/// changes falls with the speed. All of them:
+/// At 10 mm/s: a corner that passes from one flat triangle of the skin to the next turns its path
+/// there, and what that changes falls with the speed. All of them:
 /// `THENAR_CASES=all cargo test -p thenar-scene --test all sharp_things -- --nocapture`.
 #[test]
 fn sharp_things_are_drawn_over_a_fingertip() {

@@ -7,7 +7,8 @@ use thenar_core::model::BodyId;
 use thenar_core::world::ContactPoint;
 use thenar_scene::session::Session;
 
-/// Force on a soft pad while a finger, palm down, is drawn over it. The finger's underside is 18.5 mm below its wrist.
+/// Force on a soft pad while a finger, palm down, is drawn over it. The finger's underside is 18.5
+/// mm below its wrist.
 fn finger_on_pad(cells: [u32; 3], way: [f64; 3], depth: f64, friction: f64) -> Vec<Vec3> {
     let way = Vec3::from(way);
     let end = MOVES + way.norm() / 0.02;
@@ -50,7 +51,8 @@ fn finger_on_pad(cells: [u32; 3], way: [f64; 3], depth: f64, friction: f64) -> V
     found
 }
 
-/// Soft on soft: vertices, and edges that the other surface is pressed flat against, hand over to each other.
+/// Soft on soft: vertices, and edges that the other surface is pressed flat against, hand over to
+/// each other.
 #[test]
 fn a_finger_is_drawn_over_a_soft_pad() {
     let cases = [
