@@ -30,7 +30,7 @@ typedef enum ThenarStatus {
    */
   THENAR_STATUS_POSE = 3,
   /*
-   There is no such setting, or the value is out of its range.
+   The setting does not exist, or the value is out of its range.
    */
   THENAR_STATUS_SETTING = 4,
   /*

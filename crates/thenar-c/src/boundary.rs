@@ -18,7 +18,7 @@ pub enum Status {
     Scene = 2,
     /// A hand cannot follow what was given.
     Pose = 3,
-    /// There is no such setting, or the value is out of its range.
+    /// The setting does not exist, or the value is out of its range.
     Setting = 4,
     /// The bytes are no state of this world.
     State = 5,

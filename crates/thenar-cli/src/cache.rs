@@ -1,4 +1,4 @@
-//! Where the program keeps the hands that it has built, for its next run.
+//! Cache of the hands that the program has built, for its next run.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -11,7 +11,7 @@ use thenar_scene::session::TakenBack;
 /// Why a command did not do what it was asked.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// What was asked for, or a file that was named, is wrong.
+    /// Fault of the request, or of a file that was named.
     #[error("{0}")]
     Input(String),
     /// Anything else: the disk is full, the run was interrupted, a value became non-finite.

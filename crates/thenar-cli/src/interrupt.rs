@@ -6,7 +6,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How long devices have for their last words when the program ends at once.
+/// Time that devices have for their last words when the program ends at once.
 const LAST_WORDS: Duration = Duration::from_millis(100);
 
 static LISTENS: AtomicBool = AtomicBool::new(false);

@@ -1,4 +1,4 @@
-//! How far a command is: a bar on a terminal; elsewhere lines on the error output, ever more
+//! Progress of a command: a bar on a terminal; elsewhere lines on the error output, ever more
 //! rarely.
 
 use crate::ticker::Ticker;
@@ -52,7 +52,7 @@ impl Unit {
 
 struct Lines {
     begun: Instant,
-    /// When the next is due, since it was begun.
+    /// Time of the next line, from the beginning.
     due: Duration,
 }
 

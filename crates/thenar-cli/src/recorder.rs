@@ -6,7 +6,7 @@ use thenar_output::Output;
 use thenar_picture::{Camera, EncodeError, Image, Layers, Movie, Quality, camera, draw, write_png};
 use thenar_scene::session::Session;
 
-/// What `thenar run` is to show.
+/// Pictures that `thenar run` is to make.
 #[derive(Clone, Debug, clap::Args)]
 pub struct PictureOptions {
     /// Draw the end of the run (or the time given by --at) as a PNG file
@@ -24,7 +24,7 @@ pub struct PictureOptions {
     /// Frames in each simulated second
     #[arg(long, default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub fps: u16,
-    /// What to draw: skin, flesh, bones, tracked, targets, contacts, forces, pressure, weights
+    /// Layers to draw: skin, flesh, bones, tracked, targets, contacts, forces, pressure, weights
     #[arg(long, default_value = "skin", value_name = "LIST")]
     pub layers: Layers,
     /// Pixels, width x height

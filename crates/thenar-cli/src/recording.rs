@@ -8,7 +8,7 @@ use thenar_record::{Build, Channel, Clock, Field, Header, RecordError, Recorder}
 use thenar_scene::recording::{SessionTape, TimeOf};
 use thenar_scene::session::{Session, Witness};
 
-/// Where and how to record; part of the options of every command that can.
+/// Options of recording; part of those of every command that can record.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct RecordOptions {
     /// Record the session into this file, for `thenar replay`.
@@ -33,7 +33,7 @@ pub struct Recording {
 /// A recording, and the witness that a session is to get.
 pub type Started = (Recording, Box<dyn Witness>);
 
-/// What a recording made here and now says of itself.
+/// Header of a recording made here and now.
 pub fn header(time_of: TimeOf) -> Header {
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Header {

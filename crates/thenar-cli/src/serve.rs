@@ -22,7 +22,7 @@ pub struct Args {
     /// A scene file, or the name of a built-in scene (see `thenar scenes`).
     #[arg(default_value = crate::DEMO)]
     scene: PathBuf,
-    /// Where its page is, and for whom.
+    /// Options of its page: where it is, and for whom.
     #[command(flatten)]
     page: PageOptions,
     /// Change a value of the scene, e.g. solver.cone=linearised; may be given several times.

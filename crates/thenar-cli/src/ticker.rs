@@ -4,7 +4,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How often it looks.
+/// Time between two looks.
 const PACE: Duration = Duration::from_millis(100);
 
 /// Ends, and is waited for, when dropped.

@@ -29,7 +29,7 @@ impl Histogram {
         self.max = self.max.max(ns);
     }
 
-    /// How many there were.
+    /// Returns the number of values counted.
     pub fn count(&self) -> u64 {
         self.count
     }

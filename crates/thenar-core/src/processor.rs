@@ -1,4 +1,4 @@
-//! What of the processor decides the bits of a result.
+//! Features of the processor that decide the bits of a result.
 
 /// The vector instructions that steps use here, e.g. `Avx512`. The same input gives the same bits
 /// on processors where this is the same.

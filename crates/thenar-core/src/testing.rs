@@ -1,4 +1,4 @@
-//! What tests share: seeded random numbers and finite differences.
+//! Tools that tests share: seeded random numbers and finite differences.
 
 use crate::math::{Quat, Vec3};
 

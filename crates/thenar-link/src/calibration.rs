@@ -8,16 +8,16 @@ use thenar_track::ANGLES;
 pub struct Prompt {
     /// Name of the pose.
     pub name: &'static str,
-    /// What the wearer does.
+    /// Instruction to the wearer.
     pub text: &'static str,
 }
 
-/// What was found.
+/// Result of a calibration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fitted {
     /// Keys for the user's profile.
     pub keys: toml::Table,
-    /// What a person should know: sensors that hardly moved.
+    /// Remarks for a person: sensors that hardly moved.
     pub remarks: Vec<String>,
 }
 

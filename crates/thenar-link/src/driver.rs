@@ -1,4 +1,4 @@
-//! What finds devices and opens them.
+//! Drivers, which find devices and open them.
 
 use crate::LinkError;
 use crate::calibration::Calibrate;
@@ -12,7 +12,7 @@ pub trait Driver: Send + Sync {
     /// One line for a person: what it is, and what an address looks like.
     fn about(&self) -> &'static str;
 
-    /// What seems to be there now. Opens nothing that could move.
+    /// Devices that seem to be there now. Opens nothing that could move.
     fn enumerate(&self) -> Vec<FoundDevice>;
 
     /// Opens the device at an address (what follows `name:`), in so far as it can be: a device that
@@ -28,9 +28,9 @@ pub trait Driver: Send + Sync {
 /// A device that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundDevice {
-    /// What `open` takes.
+    /// Address that `open` takes.
     pub address: String,
-    /// What it is, for a person.
+    /// Description of the device, for a person.
     pub what: String,
 }
 

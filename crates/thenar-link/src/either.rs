@@ -36,7 +36,7 @@ struct Source {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Record {
-    /// When it saw the hand last, and since when without a break \[ns\].
+    /// Time of its last sight of the hand, and start of unbroken sight \[ns\].
     good: Option<[u64; 2]>,
 }
 
@@ -269,7 +269,7 @@ mod tests {
         static NOW: Cell<u64> = const { Cell::new(0) };
     }
 
-    /// What the next call tells.
+    /// Sample that the next call returns.
     type Next = Arc<Mutex<Option<HandSample>>>;
 
     struct Fake(Next, Option<HandSample>);

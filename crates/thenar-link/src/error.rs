@@ -1,4 +1,4 @@
-//! What goes wrong between us and a device.
+//! Errors between us and a device.
 
 use thenar_touch::haptic_loop::LoopError;
 

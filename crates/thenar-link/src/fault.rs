@@ -8,7 +8,7 @@ use thenar_core::{Pose, Quat, Vec3};
 use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
 
-/// What can go wrong.
+/// Kinds of fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
     /// The hand is somewhere else \[m\].
@@ -73,7 +73,7 @@ pub struct Faulty {
     plan: Vec<Planned>,
     /// Time of the first sample \[ns\].
     first_ns: Option<u64>,
-    /// What was told last of each hand, to freeze and to lend.
+    /// Last sample reported of each hand, to freeze and to lend.
     told: [Option<HandSample>; 2],
 }
 

@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub struct Options<'a> {
     driver: &'a str,
     address: &'a str,
-    /// What stands before `?`.
+    /// Part before `?`.
     pub place: &'a str,
     pairs: Vec<(&'a str, &'a str)>,
 }
@@ -50,7 +50,7 @@ impl<'a> Options<'a> {
         self.text(key).map(read).transpose()
     }
 
-    /// Where to listen: `PORT` or `ADDRESS:PORT`, in so far as it is given.
+    /// Address to listen at: `PORT` or `ADDRESS:PORT`, with defaults for what is missing.
     ///
     /// # Errors
     /// It is neither.

@@ -66,7 +66,7 @@ struct PairedSide {
     wrist: Option<(Pose, u64)>,
     /// The newest sample of the fingers.
     fingers: Option<HandSample>,
-    /// What was given out last.
+    /// Sample given out last.
     told: Option<HandSample>,
 }
 

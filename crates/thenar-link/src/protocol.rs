@@ -3,7 +3,7 @@
 use crate::{HandOutput, HandSample};
 use std::io;
 
-/// What a protocol makes of bytes.
+/// Event that a protocol makes of bytes.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // handed over by value, one at a time: a box would allocate
 pub enum Event {
@@ -90,8 +90,8 @@ pub trait Transport: Send {
         Ok(None)
     }
 
-    /// How often somebody else than the device spoke to us, and was not heard, since this was last
-    /// asked.
+    /// Number of times that somebody else than the device spoke to us, and was not heard, since the
+    /// last call.
     fn refused(&mut self) -> u64 {
         0
     }

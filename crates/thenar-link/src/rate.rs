@@ -6,7 +6,7 @@ pub struct Rate {
     per_second: f64,
     at_once: f64,
     left: f64,
-    /// When it was last looked at \[ns\].
+    /// Time of the last refill \[ns\].
     at_ns: u64,
 }
 

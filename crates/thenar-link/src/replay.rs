@@ -83,7 +83,7 @@ impl Motion {
     }
 }
 
-/// How a recording is played.
+/// Settings for playing a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Over and over.

@@ -1,4 +1,4 @@
-//! What tests of protocols share.
+//! Helpers that tests of protocols share.
 
 use crate::{Event, HandOutput, Protocol};
 use std::path::Path;
@@ -18,7 +18,7 @@ pub fn hands(side: Side) -> Vec<[Pose; 25]> {
     hands
 }
 
-/// What a protocol makes of pieces that arrive at once.
+/// Events that a protocol makes of pieces that arrive at once.
 pub fn collect(protocol: &mut dyn Protocol, now_ns: u64, pieces: &[&[u8]]) -> Vec<Event> {
     let mut events = Vec::new();
     for piece in pieces {
@@ -27,7 +27,7 @@ pub fn collect(protocol: &mut dyn Protocol, now_ns: u64, pieces: &[&[u8]]) -> Ve
     events
 }
 
-/// What a protocol sends in a tick.
+/// Messages that a protocol sends in a tick.
 #[allow(dead_code)]
 pub fn tick(protocol: &mut dyn Protocol, now_ns: u64, output: Option<&HandOutput>) -> Vec<Vec<u8>> {
     let mut sent = Vec::new();

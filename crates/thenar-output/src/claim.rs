@@ -1,5 +1,5 @@
-//! What this process reads and writes, so that nothing is written twice or over an input, and what
-//! is unfinished, so that nothing of it is left behind.
+//! Ledger of what this process reads and writes, so that nothing is written twice or over an input,
+//! and of what is unfinished, so that nothing of it is left behind.
 
 use crate::error::Cause;
 use std::collections::BTreeSet;
@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 #[derive(Debug)]
 pub struct Ledger {
     inputs: BTreeSet<PathBuf>,
-    /// Where outputs go.
+    /// Destinations of outputs.
     outputs: BTreeSet<PathBuf>,
     /// Files and folders that are not finished.
     pub unfinished: BTreeSet<PathBuf>,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {cause}", file.display())]
 pub struct OutputError {
-    /// As it was named.
+    /// Name of the file, as given.
     pub file: PathBuf,
     /// Cause of the failure.
     pub cause: Cause,

@@ -1,4 +1,4 @@
-//! Where an output goes.
+//! Destinations of outputs.
 
 use crate::error::Cause;
 use crate::open;

@@ -1,4 +1,4 @@
-//! What a world does not know of its bodies: surfaces and colours to draw.
+//! Surfaces and colours to draw bodies with, which a world does not know.
 
 use super::colour::Rgb;
 use super::scene3d::Material;
@@ -31,7 +31,7 @@ pub struct Soft<'a> {
     pub hand: Option<&'a HandModel>,
 }
 
-/// How a rigid body looks. The default draws its contact shape in a colour of its own.
+/// Look of a rigid body. The default draws its contact shape in a colour of its own.
 #[derive(Clone, Copy, Default)]
 pub struct Rigid<'a> {
     /// Colour, if one was chosen.

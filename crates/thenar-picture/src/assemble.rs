@@ -19,7 +19,7 @@ pub(super) struct Geometry {
     pub colours: Vec<V>,
     /// Part of the ambient light that arrives, 0 to 1.
     pub ambient: Vec<f32>,
-    /// Where on a hand; none for what is not skin.
+    /// Place on a hand of each vertex; `None` where it is not skin.
     pub sites: Vec<Option<SkinSite>>,
     /// Corners of each triangle.
     pub triangles: Vec<[u32; 3]>,

@@ -55,8 +55,8 @@ impl Camera {
         [right, right.cross(&forward), forward]
     }
 
-    /// Where a world point appears, in pixels from the upper left corner, and its distance along
-    /// the view \[m\]; `None` behind the near plane.
+    /// Returns a world point's pixels from the upper left corner, and its distance along the view
+    /// \[m\]; `None` behind the near plane.
     #[cfg(test)]
     pub fn project(&self, point: &Vec3, width: u32, height: u32) -> Option<([f64; 2], f64)> {
         let [right, up, forward] = self.axes();

@@ -7,7 +7,7 @@ use super::camera::View;
 /// Triangles reach at most so far from the picture's middle \[px\]; beyond, they are cut.
 const GUARD: f32 = 16_000.0;
 
-/// How much nearer a mesh drawn over everything appears.
+/// Factor on the nearness of a mesh drawn over everything.
 const ON_TOP: f32 = 1e4;
 
 /// A vertex on the screen: x, y \[px\], and one over its distance \[1/m\].

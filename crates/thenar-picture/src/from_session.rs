@@ -1,4 +1,4 @@
-//! How the bodies of a scene file look.
+//! Looks of the bodies of a scene file.
 
 use super::actors::{HandActor, Rigid, Soft};
 use super::colour::{Rgb, from_srgb_triple};
@@ -9,7 +9,7 @@ use thenar_scene::build::{BuiltHand, SoftBuild};
 use thenar_scene::format::SoftShape;
 use thenar_scene::session::Session;
 
-/// Where a picture is taken from when the scene says nothing: above the wrist, to one side.
+/// Direction of view when the scene says nothing: from above the wrist, to one side.
 const DIRECTION: Vec3 = Vec3::new(-0.5, -0.6, -0.75);
 const FOV_Y: f64 = 0.6;
 

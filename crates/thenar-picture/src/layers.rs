@@ -1,4 +1,4 @@
-//! Which parts of a simulation are drawn.
+//! Selection of the parts of a simulation that are drawn.
 
 use std::str::FromStr;
 

@@ -1,4 +1,4 @@
-//! Which samples a triangle covers, and how near it is there.
+//! Rasterisation: the samples that a triangle covers, and how near it is there.
 
 use super::clip::ScreenVertex;
 
@@ -32,7 +32,7 @@ pub(super) const NOTHING: u32 = u32::MAX;
 pub(super) struct Layer<const N: usize> {
     /// One over the distance; larger is nearer.
     pub nearness: Vec<[f32; N]>,
-    /// What is there.
+    /// Triangle, ground or [`NOTHING`] at each sample.
     pub id: Vec<[u32; N]>,
 }
 

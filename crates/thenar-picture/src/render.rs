@@ -15,7 +15,7 @@ use super::tile::Tiles;
 /// Edge of a tile \[px\].
 const TILE: usize = 32;
 
-/// How much work goes into a picture.
+/// Amount of work that goes into a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quality {
     /// Samples per pixel: 1, 4 or 8.

@@ -1,16 +1,16 @@
-//! What is drawn: meshes, light, ground, backdrop.
+//! Contents of a picture: meshes, light, ground, backdrop.
 
 use super::colour::{Rgb, hex};
 use super::skin::SkinSite;
 use std::borrow::Cow;
 use thenar_core::Vec3;
 
-/// How a surface looks.
+/// Look of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Diffuse reflectance; multiplied by the vertex colour where the mesh has one.
     pub colour: Rgb,
-    /// How far light creeps round the terminator, per component, 0 to 1: flesh lets red through.
+    /// Reach of light round the terminator, per component, 0 to 1: flesh lets red through.
     pub wrap: Rgb,
     /// Strength of the highlight when seen straight on.
     pub specular: f32,
@@ -110,7 +110,7 @@ pub struct Mesh<'a> {
     pub normals: Option<Cow<'a, [Vec3]>>,
     /// Colours per vertex, multiplied with the material's.
     pub colours: Option<Cow<'a, [Rgb]>>,
-    /// Where on a hand each vertex is; skin looks different from place to place.
+    /// Place on a hand of each vertex; skin looks different from place to place.
     pub sites: Option<Vec<SkinSite>>,
     /// Material of the surface.
     pub material: Material,
@@ -198,7 +198,7 @@ impl Default for Light {
     }
 }
 
-/// What is seen where nothing is.
+/// Colours behind everything else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Backdrop {
     /// At the horizon; the ground fades into it.

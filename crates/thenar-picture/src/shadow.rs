@@ -4,7 +4,7 @@ use super::V;
 use super::assemble::Geometry;
 use super::raster::{Setup, floor};
 
-/// What a parallel light sees first, on a square of `size`² texels.
+/// Surfaces that a parallel light meets first, on a square of `size`² texels.
 pub(super) struct DepthMap {
     /// Towards the light, unit.
     towards: V,

@@ -30,7 +30,7 @@ impl Solid {
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
     }
 
-    /// As a mesh of this look.
+    /// Returns the solid as a mesh of this material.
     pub fn mesh(self, material: Material) -> Mesh<'static> {
         Mesh::new(self.positions, self.triangles, material)
     }

@@ -1,5 +1,5 @@
-//! How skin looks from place to place: blood under it, creases, fingernails. The page draws the
-//! same, with finer grain.
+//! Look of skin from place to place: blood under it, creases, fingernails. The page draws the same,
+//! with finer grain.
 
 use super::V;
 use super::normals::smooth;
@@ -8,7 +8,7 @@ use thenar_core::Vec3;
 use thenar_core::model::{Bone, Digit, EmbeddedSurface, HandModel};
 use thenar_rig::export::vertex_skin;
 
-/// Where on a hand a vertex of its skin is.
+/// Place on a hand of a vertex of its skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinSite {
     /// Blood that shows, 0 to 1.

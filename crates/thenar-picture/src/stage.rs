@@ -18,7 +18,7 @@ use thenar_core::{Vec3, World};
 pub struct Stage<'a> {
     /// The world.
     pub world: &'a World,
-    /// What acts on it: where trackers have the bones.
+    /// Input that acts on the world: where trackers have the bones.
     pub input: &'a Input,
     /// Hands on the stage.
     pub hands: Vec<HandActor<'a>>,
@@ -34,7 +34,7 @@ const LIFT: f64 = 5e-3;
 /// Skin that bears less than this part of the scale is not marked.
 const LOAD_SHOWN: f64 = 0.04;
 
-/// How quantities become lengths and colours.
+/// Scales that turn quantities into lengths and colours.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
     /// Length of a force's arrow \[m/N\].

@@ -1,4 +1,4 @@
-//! What a picture must show, from geometry alone.
+//! Tests of what a picture must show, from geometry alone.
 
 mod png_reader;
 

@@ -5,7 +5,7 @@ use super::colour::{SrgbTable, tone};
 use super::raster::{Layer, NOTHING, Rect, Setup, sample_pattern};
 use super::shade::Shader;
 
-/// What the ground is called in a visibility layer.
+/// Number of the ground in a visibility layer.
 const GROUND: u32 = NOTHING - 1;
 
 /// Draws tiles for one picture; `N` samples per pixel.

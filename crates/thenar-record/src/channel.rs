@@ -20,7 +20,7 @@ impl Field {
     }
 }
 
-/// What a channel frame says, as JSON. It comes before the channel's first record.
+/// Content of a channel frame, as JSON. It comes before the channel's first record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChannelInfo {
     /// Number of the channel in this recording, from 1.

@@ -46,7 +46,7 @@ pub enum OpenError {
     Damaged {
         /// File that was read.
         file: PathBuf,
-        /// Where and what.
+        /// Place and kind of the damage.
         damage: crate::Damage,
     },
 }
@@ -54,7 +54,7 @@ pub enum OpenError {
 /// Why a recording cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// There is such a file already.
+    /// The file exists already.
     #[error("{} is there already; a recording never replaces a file", .0.display())]
     Exists(PathBuf),
     /// The file cannot be created or written.

@@ -69,9 +69,9 @@ impl FrameKind {
 /// A frame that was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// What it holds; `None` for a kind that this version does not know.
+    /// Kind of its content; `None` for one that this version does not know.
     pub kind: Option<FrameKind>,
-    /// When it was written \[ns since the recording began\]; rises within one source.
+    /// Time of writing \[ns since the recording began\]; rises within one source.
     pub time_ns: u64,
     /// The rest.
     pub body: &'a [u8],

@@ -1,4 +1,4 @@
-//! What a recording says of itself.
+//! Header of a recording.
 
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -16,13 +16,13 @@ pub struct Header {
     pub vectors: String,
     /// Operating system and processor family, e.g. `linux x86_64`.
     pub system: String,
-    /// When it began \[ns since 1970-01-01 UTC\].
+    /// Start of the recording \[ns since 1970-01-01 UTC\].
     pub created_unix_ns: u64,
     /// True when frames carry simulated time instead of that of a clock on the wall.
     pub simulated_time: bool,
 }
 
-/// What tells one build from another.
+/// Fingerprint of a build.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Build {
     /// Size of the program's file \[bytes\]; 0 when it could not be read.

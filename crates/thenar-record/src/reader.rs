@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// What is wrong with the first frame that cannot be trusted.
+/// Fault of the first frame that cannot be trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The file ends within it.
@@ -30,13 +30,13 @@ pub enum Fault {
 /// A piece of a recording that makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Damage {
-    /// Where the first damaged frame begins \[bytes\].
+    /// Start of the first damaged frame \[bytes\].
     pub offset: u64,
-    /// What is wrong with it.
+    /// Fault of that frame.
     pub fault: Fault,
     /// From there to the next frame that can be trusted, or to the end of the file \[bytes\].
     pub lost_bytes: u64,
-    /// There is such a frame.
+    /// True if a trusted frame follows.
     pub resumed: bool,
 }
 
@@ -65,7 +65,7 @@ pub struct FramePlace {
 }
 
 impl FramePlace {
-    /// Where it begins \[bytes\].
+    /// Offset of the frame's start \[bytes\].
     pub fn offset(&self) -> u64 {
         self.at
     }
@@ -288,13 +288,13 @@ impl<R: Read + Seek> Frames<R> {
         Ok(seen)
     }
 
-    /// Where the frame begins that [`Frames::next`] gave last.
+    /// Place of the frame that [`Frames::next`] gave last.
     pub fn place(&self) -> FramePlace {
         let (at, sum) = self.last;
         FramePlace { at, sum, newest: self.newest.clone() }
     }
 
-    /// Where the next frame begins.
+    /// Place of the next frame.
     pub fn place_of_next(&self) -> FramePlace {
         FramePlace { at: self.at, sum: self.sum, newest: self.newest.clone() }
     }
@@ -311,7 +311,7 @@ impl<R: Read + Seek> Frames<R> {
         Ok(())
     }
 
-    /// What is wrong with the file, as far as it has been read: pieces in the order of their place.
+    /// Damaged pieces of the file, as far as it has been read, in the order of their place.
     pub fn damages(&self) -> &[Damage] {
         &self.damages
     }
@@ -321,7 +321,7 @@ impl<R: Read + Seek> Frames<R> {
         self.ended
     }
 
-    /// Where the next frame begins \[bytes\].
+    /// Offset of the next frame's start \[bytes\].
     pub fn offset(&self) -> u64 {
         self.at
     }

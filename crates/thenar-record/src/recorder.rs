@@ -29,7 +29,7 @@ struct Source {
     big: Receiver<Vec<u8>>,
 }
 
-/// What both sides know.
+/// State that both sides share.
 #[derive(Debug, Default)]
 struct Shared {
     stop: AtomicBool,
@@ -54,7 +54,7 @@ pub struct Recorder {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What became of a recording.
+/// Outcome of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Written {
     /// Size of the file \[bytes\].

@@ -67,7 +67,7 @@ impl Head {
         Some(Self { length: *length, sum: u32::from_le_bytes(*sum), kind: *rest.first()? })
     }
 
-    /// Where it ends, for a frame at `at`, when its length is possible.
+    /// End of a frame at `at`, when its length is possible.
     fn end(&self, at: u64) -> Option<u64> {
         let length = u32::from_le_bytes(self.length);
         let possible = length as usize >= PAYLOAD_BYTES_MIN && length <= FRAME_BYTES_MAX;

@@ -7,7 +7,7 @@ use std::sync::mpsc::Sender;
 /// Length that stands for a payload that comes by the other way.
 pub(crate) const BIG: u32 = u32::MAX;
 
-/// What is dropped first when the ring fills.
+/// Weight of a frame: light ones are dropped first when the ring fills.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// Dropped when half the ring is full: keyframes, from which others are only sooner reached.
@@ -23,9 +23,9 @@ pub enum Weight {
 pub struct Gap {
     /// Source of the dropped frames: 0 is the session, others are channels.
     pub source: u32,
-    /// How many frames, heavy ones among them.
+    /// Number of frames, heavy ones among them.
     pub frames: u64,
-    /// How many of them were heavy.
+    /// Number of heavy frames.
     pub heavy: u64,
 }
 
@@ -138,7 +138,7 @@ impl Tape {
         self.ring.push_entire_slice(&self.draft).is_ok()
     }
 
-    /// What is to be told when nothing will be pushed any more.
+    /// Gap left to report when nothing will be pushed any more.
     fn last_word(&self) -> Option<Vec<u8>> {
         (self.gap.frames > 0).then(|| {
             let mut payload = Vec::new();

@@ -8,7 +8,7 @@ use thenar_link::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use thenar_touch::safety::Limits;
 use thenar_touch::{LoopProfile, TrackerTiming};
 
-/// What both ends share.
+/// State that both ends share.
 struct Line {
     next: Option<HandSample>,
     seen_ns: Option<u64>,
@@ -52,7 +52,7 @@ fn open(line: &Mutex<Line>) -> MutexGuard<'_, Line> {
 }
 
 impl Ends {
-    /// What the glove pulls.
+    /// Returns the glove's present pull.
     pub fn shown(&self) -> HandOutput {
         open(&self.0).shown
     }

@@ -85,13 +85,13 @@ impl Led {
         })
     }
 
-    /// What each pad feels, thumb first \[N\]; nothing for a finger that the hand lacks.
+    /// Returns the force on each pad, thumb first \[N\]; zero for a finger that the hand lacks.
     pub fn pads(&self) -> [f64; DIGITS] {
         self.stage.hand(|hand| hand.readings().map(|pad| pad.map_or(0.0, |pad| pad.pad_force)))
     }
 }
 
-/// Where the script of a scene's first hand has it at a time \[s\]; where it is, without a script.
+/// Returns the pose that a scene's first hand has by its script at a time \[s\], or else has now.
 ///
 /// # Errors
 /// There is no such hand, or poses cannot move it.

@@ -48,7 +48,7 @@ const SETTLE: u64 = 1500;
 const PRESSING: f64 = 0.5;
 /// The push: force \[N\] and time \[ms\].
 const PUSH: (f64, u64) = (0.5, 50);
-/// What is looked at, at the end \[ms\].
+/// Window at the end that is evaluated \[ms\].
 const WINDOW: u64 = 1000;
 /// To measure how stiff fingers are felt they close by this much more \[m\] within a time, and then
 /// are looked at after another, for as long as before \[ms\]: so slowly that delays and dampers
@@ -56,14 +56,14 @@ const WINDOW: u64 = 1000;
 const PROBE: f64 = 1e-3;
 const PROBING: [u64; 2] = [250, 1000];
 
-/// What is rehearsed.
+/// Description of a rehearsal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rehearsal {
     /// Each finger of the wearer.
     pub human: Human,
-    /// What sees the hand; the loop knows it.
+    /// Timing of the tracker, known to the loop.
     pub tracker: TrackerTiming,
-    /// What stands between hand and simulation.
+    /// Mode of touch between hand and simulation.
     pub mode: LoopMode,
     /// Damping of the loosest grip that the loop assumes \[N s/m\].
     pub grip: Option<f64>,
@@ -85,9 +85,9 @@ pub enum RehearsalError {
     Number {
         /// Name of the number.
         what: &'static str,
-        /// As given, with its unit.
+        /// Value as given, with its unit.
         value: String,
-        /// What it may be.
+        /// Values that make sense, in words.
         expected: &'static str,
     },
     /// The scene has no hand that could be worn.
@@ -120,7 +120,7 @@ pub struct Felt {
     pub beyond: f64,
 }
 
-/// What came of it.
+/// Outcome of a rehearsal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Thumb first.
@@ -136,15 +136,15 @@ pub struct Outcome {
     pub measured: Option<[f64; DIGITS]>,
     /// Delay from motion to force that the loop reckoned with \[s\].
     pub delay: f64,
-    /// What stopped the forces.
+    /// Reasons that stopped the forces.
     pub trips: Vec<String>,
     /// Forces were let through in the end.
     pub live: bool,
 }
 
 impl Outcome {
-    /// What disturbed the hand has died out: 20 mN and 0.1 mm rms, 0.1 mJ a second, and nothing
-    /// stopped the forces.
+    /// True if the hand's disturbance has died out: 20 mN and 0.1 mm rms, 0.1 mJ a second, and
+    /// nothing stopped the forces.
     pub fn is_still(&self) -> bool {
         let worst = self.worst();
         self.trips.is_empty() && worst.rms < 0.02 && worst.motion_rms < 1e-4 && worst.given < 1e-4
@@ -228,7 +228,7 @@ fn white(noise: f64, random: &mut Random) -> f64 {
     if noise > 0.0 { 3.0_f64.sqrt() * noise * random.symmetric() } else { 0.0 }
 }
 
-/// What it is, its value, the values that make sense, unit, and these values in words.
+/// Name, value, values that make sense, unit, and these values in words.
 type Number = (&'static str, f64, RangeInclusive<f64>, &'static str, &'static str);
 
 fn check_all(numbers: &[Number]) -> Result<(), RehearsalError> {
@@ -355,7 +355,7 @@ impl<'a> Run<'a> {
         Ok(self.means())
     }
 
-    /// How much farther the fingers are closed so long after the script has ended \[m\].
+    /// Returns how much farther the fingers are closed this long after the script's end \[m\].
     fn pressed(&self, after: f64) -> f64 {
         let part = match self.what.sway {
             None => (after / PRESSING).min(1.0),
@@ -421,7 +421,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// What came of it so far.
+    /// Computes the outcome up to now.
     fn finish(&mut self) -> Outcome {
         let n = WINDOW as f64;
         for (felt, sums) in self.out.fingers.iter_mut().zip(&self.sums) {

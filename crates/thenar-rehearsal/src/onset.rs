@@ -1,14 +1,13 @@
-//! How stiff a coupling may be felt before a hand hums on it: in the product's own loop, and by
-//! theory.
+//! Stiffness of a coupling at which a hand begins to hum: in the product's own loop, and by theory.
 
 use crate::{Human, Outcome, Rehearsal, RehearsalError};
 use std::f64::consts::PI;
 use thenar_scene::session::Session;
 use thenar_touch::{LoopProfile, MARGIN};
 
-/// Where an onset is sought, as parts of what theory says, which takes the hold between two samples
-/// and what smooths them for one delay: no more than a factor of two either way, and a quarter to
-/// spare. What lies beyond is reported as beyond.
+/// Range in which an onset is sought, as parts of the theoretical one, which takes the hold between
+/// two samples and what smooths them for one delay: no more than a factor of two either way, and a
+/// quarter to spare. What lies beyond is reported as beyond.
 const RANGE: [f64; 2] = [0.4, 2.5];
 /// Rehearsals within that: each halves what is left, the last to 3 %.
 const PROBES: u32 = 6;
@@ -16,14 +15,14 @@ const PROBES: u32 = 6;
 /// The stiffest coupling on which what disturbs a hand dies out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Onset {
-    /// As rehearsed \[N/m\]; infinite when the scene's couplings themselves are soft enough, and 0
-    /// when the softest that was tried is not.
+    /// Stiffness as rehearsed \[N/m\]; infinite when the scene's couplings themselves are soft
+    /// enough, and 0 when the softest that was tried is not.
     pub stiffness: f64,
     /// A spring that acts as late as the loop reckons with, by theory \[N/m\].
     pub theory: f64,
     /// All that was tried below the scene's couplings is soft enough: the onset lies above.
     pub beyond: bool,
-    /// What the loop shows any hand, by the rule with the rehearsal's grip \[N/m\].
+    /// Stiffness that the loop shows any hand, by the rule with the rehearsal's grip \[N/m\].
     pub shown: f64,
     /// Delay from motion to force that the loop reckons with \[s\].
     pub delay: f64,
@@ -110,8 +109,8 @@ mod tests {
     use crate::{Finger, Flow};
     use std::collections::VecDeque;
 
-    /// Where a virtual finger on a spring that is read a whole number of ticks late, and held for
-    /// one, begins to swing more and more is where theory says, with half a tick for the hold.
+    /// A virtual finger on a spring that is read a whole number of ticks late, and held for one,
+    /// begins to swing more and more where theory says, with half a tick for the hold.
     #[test]
     fn fingers_hum_where_theory_says() {
         for (mass, damping, stiffness, ticks) in

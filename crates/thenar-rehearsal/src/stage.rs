@@ -47,7 +47,7 @@ impl Stage {
         &mut self.clock
     }
 
-    /// How touch joins hand and scene.
+    /// Returns the mode in which touch joins hand and scene.
     pub fn mode(&self) -> LoopMode {
         self.mode
     }

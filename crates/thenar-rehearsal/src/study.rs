@@ -14,11 +14,11 @@ use thenar_track::live::LivePose;
 pub struct Study {
     /// Direction, world, with its length: the hand moves between here and this far \[m\].
     pub way: Vec3,
-    /// How often \[Hz\].
+    /// Frequency of the motion \[Hz\].
     pub frequency: f64,
     /// Cycles that are measured, after the hand has set out and come to rest.
     pub cycles: u32,
-    /// What sees the hand; the loop knows it.
+    /// Timing of the tracker, known to the loop.
     pub tracker: TrackerTiming,
     /// Couplings to the hand; those to the bones are the scene's drives.
     pub design: CouplingDesign,
@@ -27,7 +27,7 @@ pub struct Study {
     pub grip: Option<f64>,
 }
 
-/// What one mode made of it.
+/// Result of one mode in a study.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// Mode of touch.

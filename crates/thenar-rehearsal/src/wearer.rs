@@ -70,11 +70,11 @@ pub(super) struct RehearsedHand {
     live: LiveHand,
     motion: Option<HandMotion>,
     targets: Vec<Option<Target>>,
-    /// Where the script has it.
+    /// Pose that the script commands.
     commanded: LivePose,
-    /// How much farther its fingers are to close \[m\].
+    /// Further distance that the fingers are to close \[m\].
     press: f64,
-    /// How much of that the last command added \[m\].
+    /// Part of `press` that the last command added \[m\].
     closed: f64,
     /// From the root of each finger to its pad \[m\].
     levers: [f64; DIGITS],
@@ -120,7 +120,7 @@ impl RehearsedHand {
         }
     }
 
-    /// How much farther its fingers are to close than the script has them \[m\].
+    /// Returns how much farther the fingers are to close than the script has them \[m\].
     pub fn press(&self) -> f64 {
         self.press
     }
@@ -142,7 +142,7 @@ impl RehearsedHand {
         moved
     }
 
-    /// Where the hand is, each number off by `noise` \[m\] at the pads.
+    /// Returns the hand's pose, each number off by `noise` \[m\] at the pads.
     pub fn pose(&self, noise: &mut impl FnMut() -> f64) -> LivePose {
         let mut pose = self.commanded.clone();
         if let LivePose::Angles { wrist, angles } = &mut pose {

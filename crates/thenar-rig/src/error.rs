@@ -1,4 +1,4 @@
-//! What can go wrong while a model is built.
+//! Errors that can occur while a model is built.
 
 use thenar_input::brief;
 
@@ -10,7 +10,7 @@ pub enum RigError {
     Read {
         /// Path as given.
         file: String,
-        /// What the system said.
+        /// Cause that the system reported.
         cause: std::io::Error,
     },
     /// A file could not be written.
@@ -18,7 +18,7 @@ pub enum RigError {
     Write {
         /// Path as given.
         file: String,
-        /// What the system said.
+        /// Cause that the system reported.
         cause: std::io::Error,
     },
     /// Another error, in this file.
@@ -64,9 +64,9 @@ pub enum RigError {
     Parameter {
         /// Name of the option.
         name: &'static str,
-        /// What it should be.
+        /// Description of admissible values.
         expected: &'static str,
-        /// What it is.
+        /// Value that was given.
         value: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! How large a body may be, and how far from the origin of its file.
+//! Limits of a body's size, and of its distance from the origin of its file.
 
 use crate::RigError;
 use thenar_core::Vec3;

@@ -21,7 +21,7 @@ pub struct Chain {
     pub half_widths: [f64; 3],
 }
 
-/// Where a point stands across joint `k`: 0 at the start of its ramp, 1 at the end.
+/// Position of a point across joint `k`: 0 at the start of its ramp, 1 at the end.
 fn across(chain: &Chain, k: usize, p: &Vec3) -> f64 {
     0.5 + 0.5 * chain.across[k].dot(&(p - chain.joints[k])) / chain.half_widths[k]
 }

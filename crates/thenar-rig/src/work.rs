@@ -7,12 +7,12 @@
 use crate::RigError;
 use std::cell::RefCell;
 
-/// What may be spent on one stage of building a body, in comparisons of a point with a triangle:
-/// half a minute at the 15 ns that one takes on a core of 3 GHz (`cargo bench` of the grid;
-/// measured, not guaranteed).
+/// Most work that may be spent on one stage of building a body, in comparisons of a point with a
+/// triangle: half a minute at the 15 ns that one takes on a core of 3 GHz (`cargo bench` of the
+/// grid; measured, not guaranteed).
 pub const STAGE_MAX: f64 = 2e9;
 
-/// How far a stage is.
+/// Progress of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Name of the work, for a person: "distances to 1200 triangles".

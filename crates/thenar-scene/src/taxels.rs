@@ -22,7 +22,7 @@ pub struct TaxelPatch {
     pub places: Vec<TaxelPlace>,
 }
 
-/// Where a layout has patches.
+/// Bones on which a layout has patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// On the last bone of each finger.
@@ -96,8 +96,7 @@ struct Side<'a> {
     along_B: Vec3,
     palmar_B: Vec3,
     across_B: Vec3,
-    /// Where the palm's columns begin and end across it; `None` for a finger's bone, which they go
-    /// around.
+    /// Bounds of the palm's columns across it; `None` for a finger's bone, which they go around.
     breadth: Option<[f64; 2]>,
 }
 

@@ -70,7 +70,7 @@ impl DeadMan {
         self.holder().map(|holder| holder.client)
     }
 
-    /// How the devices do.
+    /// Status of the devices.
     pub fn status(&self) -> Status {
         self.remote.status()
     }
@@ -83,7 +83,7 @@ impl DeadMan {
         }
     }
 
-    /// What is in it is always whole.
+    /// Locks the holder; after a panic too, as its contents are always whole.
     fn holder(&self) -> MutexGuard<'_, Option<Holder>> {
         self.holder.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,5 +1,5 @@
-//! Where the simulation thread and the clients meet: the newest model, snapshot and status go out,
-//! commands and poses come in. Neither side ever waits for the other.
+//! Meeting place of the simulation thread and the clients: the newest model, snapshot and status go
+//! out, commands and poses come in. Neither side ever waits for the other.
 
 use crate::dead_man::DeadMan;
 use crate::protocol::{Command, text};
@@ -20,7 +20,7 @@ const SHARES: usize = 1024;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ClientId(pub u32);
 
-/// What a client did.
+/// Action of a client.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A client came.
@@ -60,11 +60,11 @@ pub struct ClientNote {
 pub struct SceneName {
     /// Name to ask by.
     pub name: String,
-    /// What is to be seen.
+    /// Title that people see.
     pub title: String,
 }
 
-/// How many messages of each client wait.
+/// Number of each client's messages that wait.
 #[derive(Debug)]
 struct Shares([AtomicU32; SHARES]);
 
@@ -97,7 +97,7 @@ pub struct Hub {
     pub snapshot: watch::Receiver<Bytes>,
     /// The newest status message; empty before the first.
     pub status: watch::Receiver<String>,
-    /// How devices do; empty where there are none.
+    /// Newest status of the devices; empty where there are none.
     pub touch: watch::Receiver<String>,
     devices: Option<DeadMan>,
     notes: broadcast::Sender<ClientNote>,
@@ -115,7 +115,7 @@ pub struct Desk {
     pub snapshot: watch::Sender<Bytes>,
     /// The newest status message.
     pub status: watch::Sender<String>,
-    /// How devices do.
+    /// Newest status of the devices.
     pub touch: watch::Sender<String>,
     notes: broadcast::Sender<ClientNote>,
     inbox: Receiver<Event>,

@@ -85,8 +85,8 @@ impl Turn {
     }
 }
 
-/// Where shared constraints had a bone in the last ticks, the later the more, and how its coupling
-/// pulled at it.
+/// Pose of a bone under shared constraints over the last ticks, later ones weighing more, and the
+/// pull of its coupling.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Settled {
     pose_WB: Pose,
@@ -117,8 +117,8 @@ pub(crate) struct Arcs {
     turns: Vec<Turn>,
     /// Turn from each bone to its target in the frame \[rad\].
     leads: Vec<Vec3>,
-    /// How far bones are from their tangents \[m\], and how fast they leave them, or went before
-    /// \[m/s\].
+    /// Offsets of bones from their tangents \[m\], and the velocities at which they leave them, or
+    /// moved before \[m/s\].
     off: Vec<Vec3>,
     leaving: Vec<Vec3>,
     /// Forces of couplings on each bone and all that it carries \[N\], and torques from levers \[N

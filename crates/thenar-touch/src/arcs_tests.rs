@@ -29,7 +29,7 @@ fn two_bones() -> (SlowToFast, Arcs) {
     (frame, arcs)
 }
 
-/// Where the second bone is when it turned about the joint.
+/// Returns the second bone's pose after a turn about the joint.
 fn turned_child(angle: f64) -> Pose {
     Pose::new(Vec3::new(0.03 + 0.03 * angle.cos(), 0.03 * angle.sin(), 0.0), turned(angle))
 }
@@ -221,7 +221,7 @@ impl Finger {
         slopes.fold(0.0, f64::max)
     }
 
-    /// What the coordinates do to bones, linearly: 24 × 6.
+    /// Returns the linear effect of the coordinates on bones: 24 × 6.
     fn tangents(s: &Angles) -> DMatrix<f64> {
         let mut tangents = DMatrix::zeros(24, N);
         for k in 0..N {
@@ -241,7 +241,7 @@ impl Finger {
         tangents
     }
 
-    /// Where the finger balances as bent as `s`: a frame there, led by targets this far from its
+    /// Returns a frame of the finger in balance, bent as `s`, led by targets this far from its
     /// bones that hold it.
     fn frame(&self, s: &Angles, away: &[Vec3; 4]) -> SlowToFast {
         let tangents = Self::tangents(s);

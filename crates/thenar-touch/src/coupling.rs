@@ -1,11 +1,11 @@
-//! How stiff and how damped the two couplings of a proxy are.
+//! Stiffness and damping of the two couplings of a proxy.
 
 use crate::{Proxy, RigidState};
 use thenar_core::kernels::drive_force;
 use thenar_core::math::{Mat3, Vec3};
 use thenar_core::model::{Drive, HandModel};
 
-/// What is chosen about a proxy's couplings; the rest follows from the bone's mass and inertia.
+/// Free choices in a proxy's couplings; the rest follows from the bone's mass and inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CouplingDesign {
     /// Between tracked pose and proxy \[N/m\]: with `bone_stiffness` in series, what the wearer

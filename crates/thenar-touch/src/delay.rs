@@ -27,7 +27,7 @@ pub struct DelayMeter {
 /// Time in which a sample loses its weight in the means \[s\], at any rate: 50 samples at 90 Hz, 14
 /// frames at 25 Hz.
 const FORGETS: f64 = 0.55;
-/// What is worse weighs at least so much: four in a row come to three quarters of what they are.
+/// Least weight of a value that is worse than the mean: four in a row weigh three quarters.
 const AT_ONCE: f64 = 0.3;
 /// Samples farther apart are not of one motion \[s\]. Frames are, but longer pauses count as this
 /// one: what is felt behind them is next to nothing.

@@ -15,7 +15,7 @@ pub struct Presence {
     pub name: String,
     /// True while the device is reached: its port is open, its socket is connected.
     pub connected: bool,
-    /// When it last said something that made sense \[ns\].
+    /// Time of the device's last meaningful message \[ns\].
     pub heard_ns: Option<u64>,
 }
 
@@ -28,7 +28,7 @@ pub trait Tracker: Send {
     /// The newest sample of this hand, once. Never waits and never allocates.
     fn latest(&mut self, side: Side) -> Option<&HandSample>;
 
-    /// When the device last said something that made sense \[ns\]; `None` before the first time.
+    /// Returns the time of the device's last meaningful message \[ns\]; `None` before the first.
     fn heard_ns(&mut self) -> Option<u64>;
 
     /// Length of the wearer's hand, wrist to middle fingertip \[m\], where the device's profile
@@ -37,14 +37,14 @@ pub trait Tracker: Send {
         None
     }
 
-    /// How often it samples, how late and how noisy, where its driver or profile knows; `None`
-    /// where nothing but the samples' own times tells.
+    /// Returns the rate, latency and noise of the tracker, where its driver or profile knows them;
+    /// `None` where only the samples' own times tell.
     fn timing(&self) -> Option<TrackerTiming> {
         None
     }
 
-    /// What there is to tell a person: notes and troubles since the last call, each told once,
-    /// be it here or by the display. Not for the loop.
+    /// Returns messages for a person: notes and troubles since the last call, each reported once,
+    /// either here or by the display. Not for the loop.
     fn messages(&mut self) -> Vec<String>;
 
     /// Tells the same on another thread, while this one is in the loop.
@@ -60,31 +60,31 @@ pub trait Tracker: Send {
 /// Lets a hand feel. It shows nothing until forces come, and releases the hand when it is dropped,
 /// when its device is lost and when no output came for 20 ms.
 pub trait ForceDisplay: Send {
-    /// What it renders.
+    /// Returns what the display renders.
     fn rendering(&self) -> Rendering;
 
-    /// What its actuators may do, per finger (or axis); for the guards before it.
+    /// Returns the limits of the actuators, per finger (or axis), for the guards before them.
     fn limits(&self) -> Limits;
 
-    /// What it may turn with, for one that renders torques; for guards of their own.
+    /// Returns the limits of torques, if the display renders any, for guards of their own.
     fn torque_limits(&self) -> Option<Limits> {
         None
     }
 
-    /// What bounds the stiffness of a coupling to it, by its profile.
+    /// Returns what bounds the stiffness of a coupling to the display, by its profile.
     fn loop_profile(&self) -> LoopProfile;
 
     /// Hands over the newest output. Never waits and never allocates.
     fn show(&mut self, output: &HandOutput);
 
-    /// When the device was last heard \[ns\]; `None` before the first time, or when it never
-    /// answers.
+    /// Returns the time when the device was last heard \[ns\]; `None` before the first time, or
+    /// when it never answers.
     fn heard_ns(&mut self) -> Option<u64>;
 
-    /// What there is to tell a person, as for trackers.
+    /// Returns messages for a person, as trackers do.
     fn messages(&mut self) -> Vec<String>;
 
-    /// As for trackers.
+    /// Returns a messenger, as trackers do.
     fn messenger(&self) -> Messenger {
         Box::new(Vec::new)
     }

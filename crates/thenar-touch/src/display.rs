@@ -30,8 +30,8 @@ pub fn brake_force(pad_force: f64, opening_velocity: f64, force_max: f64) -> f64
     if opening { 0.0 } else { tendon_pull(pad_force, force_max) }
 }
 
-/// Where a LucidGloves servo stops a finger: 0 leaves it free, 1000 blocks it fully open.
-/// `1000 (1 - curl)`, with curl 0 open and 1 closed; `None` is free.
+/// Returns the position at which a LucidGloves servo stops a finger: 0 leaves it free, 1000 blocks
+/// it fully open. `1000 (1 - curl)`, with curl 0 open and 1 closed; `None` is free.
 pub fn servo_stop(curl_at_contact: Option<f64>) -> u16 {
     match curl_at_contact {
         Some(curl) if curl.is_finite() => (1000.0 * (1.0 - curl.clamp(0.0, 1.0))).round() as u16,

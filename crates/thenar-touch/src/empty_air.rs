@@ -1,5 +1,5 @@
-//! What is felt is contact: the coupling's force less that of the same hand, led the same way, in
-//! empty air.
+//! Contact is all that is felt: the coupling's force less that of the same hand, led the same way,
+//! in empty air.
 //!
 //! The simulated flesh resists bending, springs act at its joints, and a hand lags behind its
 //! drives. All of this the couplings bear, and none of it is the wearer's to feel: a hand of one's
@@ -82,7 +82,7 @@ impl EmptyAirHand {
     }
 }
 
-/// How far contact holds a bone from where it would be in empty air \[m\], \[rad\].
+/// Displacement of a bone by contact, from its pose in empty air \[m\], \[rad\].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Held([Vec3; 2]);
 
@@ -92,7 +92,7 @@ impl Held {
         Self([bone.pose_WB.position - free.pose_WB.position, rotation_vector(&turn)])
     }
 
-    /// Where a bone that is held so would be in empty air.
+    /// Returns the state that a bone held like this would have in empty air.
     pub fn let_go(&self, bone: &RigidState) -> RigidState {
         let rotation = Quat::from_scaled_axis(-self.0[1]) * bone.pose_WB.rotation;
         RigidState { pose_WB: Pose::new(bone.pose_WB.position - self.0[0], rotation), ..*bone }

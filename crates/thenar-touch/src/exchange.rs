@@ -1,19 +1,19 @@
-//! What crosses from the haptic loop to the simulation; the way back is a
+//! Data that cross from the haptic loop to the simulation; the way back is a
 //! [`SlowToFast`](crate::SlowToFast). Plain data of fixed size: the program around moves it through
 //! latest-value slots, and neither side ever waits for the other.
 
 use crate::RigidState;
 
-/// Where the proxies are: the targets of the simulated bones.
+/// States of the proxies: the targets of the simulated bones.
 #[derive(Clone, Debug)]
 pub struct FastToSlow {
-    /// When \[ns\].
+    /// Time of the tick \[ns\].
     pub time_ns: u64,
     /// Haptic tick.
     pub tick: u64,
     /// The proxies; `RigidState::target` makes them targets of `world::Input`.
     pub proxies: Vec<RigidState>,
-    /// Where they would be if the hand touched nothing: the targets of a simulated hand in empty
+    /// States of the proxies if the hand touched nothing: the targets of a simulated hand in empty
     /// air.
     pub free: Vec<RigidState>,
 }

@@ -1,30 +1,31 @@
-//! How stiff a hand is felt: as its couplings are, and no stiffer than the delay of this tracker,
-//! these frames and this display bears in a loose grip.
+//! Stiffness with which a hand is felt: that of its couplings, and no more than the delay of this
+//! tracker, these frames and this display allows in a loose grip.
 
 use crate::{DelayMeter, LoopProfile, MARGIN, Observation, TrackerTiming};
 
-/// How fast what is felt of a hand grows when delays become less, per second: twice as much within
-/// a second.
+/// Rate at which the felt stiffness grows when delays shrink, per second: it doubles within a
+/// second.
 const GROWS: f64 = 0.7;
-/// How fast it falls when they become more, per second: half as much within a quarter of a second.
+/// Rate at which the felt stiffness falls when delays grow, per second: it halves within a quarter
+/// of a second.
 const FALLS: f64 = 2.8;
 
-/// How fast what is known of the tracker's noise follows more of it and less \[s\]: memory wavers
-/// from sample to sample, and a loose hand answers to what it is within a tenth of a second.
+/// Time constants with which the tracker's known noise follows more of it and less \[s\]: memory
+/// wavers from sample to sample, and a loose hand responds within a tenth of a second.
 const NOISE: [f64; 2] = [0.1, 0.5];
 
 /// Growth begins at so much \[N/m\], which the rule allows a loose grip behind almost a second:
 /// from nothing it would never begin.
 const LEAST: f64 = 1.0;
 
-/// What bounds the stiffness that is felt.
+/// Bounds on the stiffness that is felt.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FeltBounds {
     /// Damping of the loosest grip \[N s/m\]; `None` bounds nothing.
     pub grip: Option<f64>,
     /// The loop and the slowest of its displays.
     pub profile: LoopProfile,
-    /// What stands between the tracker's samples and the hand.
+    /// Observation between the tracker's samples and the hand.
     pub observation: Observation,
     /// Displays that only hold a finger, which no stiffness is felt of.
     pub holds_only: bool,
@@ -34,13 +35,13 @@ pub struct FeltBounds {
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Felt {
     bounds: FeltBounds,
-    /// What each blocked bone is felt like through its couplings alone \[N/m\].
+    /// Stiffness felt of each blocked bone through its couplings alone \[N/m\].
     couplings: Vec<f64>,
     meter: DelayMeter,
     stated: Option<TrackerTiming>,
-    /// How noisy the tracker is of late: see [`Observation::noisy`].
+    /// Recent noise of the tracker: see [`Observation::noisy`].
     noisy: f64,
-    /// What observation and frames add to the delay of each bone \[s\].
+    /// Delay that observation and frames add for each bone \[s\].
     added: Vec<f64>,
     /// The present tracker was heard, and what is felt follows it from there.
     heard: bool,
@@ -69,8 +70,8 @@ impl Felt {
         (self.meter, self.heard, self.noisy) = (DelayMeter::default(), false, 0.0);
     }
 
-    /// How late the wearer's motion is seen, and answered by what is sent \[s\]. Observers make up
-    /// for what they add where hands sway slowly, but not for what noise does.
+    /// Returns the delay until the wearer's motion is seen and answered by an output \[s\].
+    /// Observers make up for what they add where hands sway slowly, but not for what noise does.
     pub fn seen_late(&self) -> f64 {
         let delay = self.meter.delay(self.stated.as_ref());
         let noise = self.noisy * self.bounds.observation.noisy;

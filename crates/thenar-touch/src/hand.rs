@@ -14,7 +14,7 @@ use crate::{
 use thenar_core::math::Vec3;
 use thenar_core::world::StepReport;
 
-/// What stands in for the simulated bones between two frames.
+/// Stand-in for the simulated bones between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum TouchMode {
     /// The frame's bones, carried forward by their velocity (the paper).
@@ -24,7 +24,7 @@ pub enum TouchMode {
     SharedConstraints,
 }
 
-/// How a hand is predicted and resolved.
+/// Settings for the prediction and resolution of a hand.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HandSettings {
     /// Between simulation frames.
@@ -87,7 +87,7 @@ struct Free {
     shared: SharedConstraints,
     settled: Vec<Settled>,
     bones: Vec<RigidState>,
-    /// How far contact held each bone when that was last known.
+    /// Displacement of each bone by contact, as last known.
     held: Vec<Option<Held>>,
 }
 
@@ -102,8 +102,8 @@ pub struct HapticHand {
     shared_step: Option<u64>,
     /// Step and time of the newest frame.
     newest: Option<(u64, u64)>,
-    /// How often frames come and how old they are, the last that was heard, and whether it has a
-    /// response that is used.
+    /// Interval and age of frames, the last frame heard, and whether it has a response that is
+    /// used.
     frames: DelayMeter,
     frame_heard: Option<u64>,
     responds: bool,
@@ -123,11 +123,11 @@ pub struct HapticHand {
     settled: Vec<Settled>,
     /// Simulated ends of the couplings in this tick.
     bones: Vec<RigidState>,
-    /// What this hand does in empty air.
+    /// Counterpart of this hand in empty air.
     free: Free,
-    /// What contact does to the wearer, smooth from frame to frame.
+    /// Action of contact on the wearer, smooth from frame to frame.
     smooth: Smooth,
-    /// What of it the wearer feels.
+    /// Wrenches that the wearer feels.
     wrenches: Vec<[Vec3; 2]>,
     /// Parts of the device couplings' forces and torques that are shown.
     shown: Vec<[f64; 2]>,

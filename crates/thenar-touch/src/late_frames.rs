@@ -1,4 +1,4 @@
-//! What frames add to the delay from a wearer's motion to the force that answers it.
+//! Delay that frames add from a wearer's motion to the force that answers it.
 //!
 //! A frame answers the hand as it was when its inputs were taken. It arrives L later and is used
 //! for a period P, so that it is old by `L + P/2` on the mean and by `Δ = L + P` at the end. What
@@ -58,7 +58,7 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// How late force is on the mean \[s\], of a hand that goes evenly into a bone that is held;
+    /// Returns the mean delay of force \[s\], for a hand that goes evenly into a bone that is held;
     /// the simulation in empty air follows its proxies at once, with frames every `period` ms that
     /// arrive `latency` ms after their inputs. Beside it the delay by the derivation above for
     /// inputs that are taken where they are taken, without blending, and the rule.

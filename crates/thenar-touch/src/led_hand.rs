@@ -67,7 +67,7 @@ impl LedHand {
         }
     }
 
-    /// Where the hand is.
+    /// Returns the states of the hand's bones.
     pub fn states(&self) -> &[RigidState] {
         &self.states
     }
@@ -88,7 +88,8 @@ mod tests {
     use super::*;
     use thenar_core::{Pose, Vec3};
 
-    /// What is led is taken to the bit, in the very tick; what is led no more stands still there.
+    /// A bone that is led is taken to the bit, in the very tick; one led no more stands still
+    /// there.
     #[test]
     fn a_led_hand_is_where_it_is_led() {
         let at = |x: f64| RigidState::at_rest(Pose::translation(x, 0.0, 0.0));

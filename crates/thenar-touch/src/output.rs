@@ -21,9 +21,9 @@ pub struct DigitOutput {
     pub pressure_mean: f64,
     /// Largest pressure \[Pa\].
     pub pressure_max: f64,
-    /// How fast the skin slips over what it touches \[m/s\].
+    /// Speed at which the skin slips over what it touches \[m/s\].
     pub slip_speed: f64,
-    /// Where contact began, 0 open to 1 closed; `None` while the finger is free.
+    /// Closure at which contact began, 0 open to 1 closed; `None` while the finger is free.
     pub curl_at_contact: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct DigitOutput {
 pub struct HandOutput {
     /// Side of the hand.
     pub side: Side,
-    /// When it was computed \[ns\].
+    /// Time of the computation \[ns\].
     pub time_ns: u64,
     /// Thumb first.
     pub digits: [DigitOutput; DIGITS],
@@ -50,7 +50,7 @@ impl HandOutput {
     }
 }
 
-/// What a display renders of [`HandOutput`].
+/// Part of [`HandOutput`] that a display renders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Rendering {
     /// Pulls on fingers, along the pad normal.

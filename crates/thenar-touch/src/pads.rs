@@ -16,11 +16,11 @@ pub struct Pad {
     /// The bone that the device stands on: the palm for a glove, which feels nothing of the hand's
     /// motion as a whole; `None` for one that stands on the table.
     pub ground: Option<usize>,
-    /// Where the pad was, in the ground's frame.
+    /// Last place of the pad, in the ground's frame.
     last_G: Option<Vec3>,
 }
 
-/// What one pad feels and does, for the guard of its actuator.
+/// Force and motion of one pad, for the guard of its actuator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadReading {
     /// Force of the device coupling on the wearer, world \[N\].

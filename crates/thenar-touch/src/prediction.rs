@@ -3,7 +3,7 @@
 
 use crate::RigidState;
 
-/// How far states are carried forward, and what counts as motion at all.
+/// Horizon of states carried forward, and limits of what counts as motion at all.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Prediction {
     /// Up to this age a state moves on at its velocity; over as long again it slows down to a

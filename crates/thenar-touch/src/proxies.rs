@@ -62,7 +62,7 @@ pub enum ProxyError {
     },
 }
 
-/// What happened in one step of the proxies.
+/// Events in one step of the proxies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProxyReport {
     /// Tracked poses that were not finite; these couplings let go for the step.
@@ -107,7 +107,7 @@ impl Proxies {
         &self.proxies
     }
 
-    /// Where they are: the targets of the simulated bones.
+    /// Returns the states of the proxies: the targets of the simulated bones.
     pub fn states(&self) -> &[RigidState] {
         &self.states
     }

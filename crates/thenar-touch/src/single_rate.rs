@@ -15,7 +15,7 @@ use thenar_core::math::Vec3;
 use thenar_core::model::Drive;
 use thenar_core::world::{Input, ModelError, StepReport, World};
 
-/// How a simulation within the tick is stepped.
+/// Settings for stepping a simulation within the tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleRateSettings {
     /// A tick longer than this is stepped as if it were this long \[s\]: the simulation falls
@@ -47,10 +47,10 @@ pub struct SingleRate {
     first: usize,
     hand: LedHand,
     bones: Vec<RigidState>,
-    /// What this hand does in empty air, and whether it does something else than this one.
+    /// Counterpart of this hand in empty air, and whether it differs from this one.
     free: EmptyAirHand,
     differs: bool,
-    /// What drives bear, less what they bear in empty air; then what is shown of it.
+    /// Wrenches that drives bear, less those in empty air; then the part that is shown.
     felt: Vec<[Vec3; 2]>,
     wrenches: Vec<[Vec3; 2]>,
     /// Parts of the drives' forces and torques that are shown.
@@ -164,7 +164,7 @@ impl SingleRate {
         }
     }
 
-    /// What the wearer is shown of it.
+    /// Sets the part that the wearer is shown.
     fn show_felt(&mut self) {
         for (i, [force, torque]) in self.felt.iter().enumerate() {
             let [linear, angular] = self.shown[i];

@@ -19,14 +19,14 @@ pub const BLEND: f64 = 0.0065;
 pub(super) struct Smooth {
     /// Step of the frame that the last tick was on.
     step: Option<u64>,
-    /// What is left of an offset after this tick, and whether its frame is a new one.
+    /// Part of an offset left after this tick, and whether its frame is a new one.
     decay: f64,
     fresh: bool,
     /// The last tick was on the same frame as the one before it: the force's rate is known.
     went_on: bool,
     offsets: Vec<[Vec3; 2]>,
-    /// What acted, and what was felt in the last tick, and how much more that was than in the one
-    /// before.
+    /// Wrenches that acted and that were felt in the last tick, and the rise of what acted over the
+    /// one before.
     acted: Vec<[Vec3; 2]>,
     before: Vec<[Vec3; 2]>,
     rates: Vec<[Vec3; 2]>,
@@ -54,7 +54,7 @@ impl Smooth {
         self.decay = (-h / BLEND).exp();
     }
 
-    /// What is felt of bone `i` when this acts on it; one that sets out anew is felt as it is.
+    /// Returns what is felt of bone `i` under this wrench: all of it when the bone sets out anew.
     pub fn take(&mut self, i: usize, wrench: [Vec3; 2], anew: bool) -> [Vec3; 2] {
         let (offset, before, rate) =
             (&mut self.offsets[i], &mut self.before[i], &mut self.rates[i]);

@@ -1,4 +1,4 @@
-//! How stiff a coupling may be on a given device: rules for one axis of a sampled spring.
+//! Stiffness that a device allows a coupling: rules for one axis of a sampled spring.
 //!
 //! With device damping b, coupling damping B, sampling period T, further delay t_d, Coulomb
 //! friction f_c and position resolution Δ:
@@ -14,7 +14,7 @@
 
 use thenar_core::model::Drive;
 
-/// What matters of a device and its loop on one axis.
+/// Properties of a device and its loop on one axis.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LoopProfile {
     /// Sampling period \[s\].
@@ -47,7 +47,7 @@ impl LoopProfile {
         if self.resolution > 0.0 { 2.0 * self.friction / self.resolution } else { f64::INFINITY }
     }
 
-    /// What speaks against this device coupling. A proxy only softens it, so the coupling is
+    /// Returns warnings about this device coupling. A proxy only softens it, so the coupling is
     /// judged as if the proxy stood still.
     pub fn warnings(&self, coupling: &Drive) -> Vec<CouplingWarning> {
         let stiffness = coupling.stiffness;
@@ -86,12 +86,12 @@ pub struct CouplingWarning {
     pub rule: CouplingRule,
     /// The coupling's stiffness \[N/m\].
     pub stiffness: f64,
-    /// What the rule allows \[N/m\].
+    /// Stiffness that the rule allows \[N/m\].
     pub stiffness_max: f64,
 }
 
 impl CouplingRule {
-    /// As it reads in a message.
+    /// Returns the name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Passive => "passivity",

@@ -31,10 +31,10 @@ pub trait Touch {
     /// One tick, on the newest simulation frame (which single-rate does not look at).
     fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> TickReport;
 
-    /// Where the simulated bones should go.
+    /// Writes the targets of the simulated bones.
     fn publish(&self, now_ns: u64, to: &mut FastToSlow);
 
-    /// Where the hand was taken to be in the last tick.
+    /// Returns the states that the hand was taken to have in the last tick.
     fn tracked(&self) -> &[RigidState] {
         self.hand().states()
     }
@@ -45,18 +45,18 @@ pub trait Touch {
         self.hand().has_set_out(bone)
     }
 
-    /// Where the simulated bones were taken to be in the last tick.
+    /// Returns the states that the simulated bones were taken to have in the last tick.
     fn bones(&self) -> &[RigidState];
 
-    /// What frames of the simulation and observation, which alone adds `observed`, add together to
-    /// the delay from a motion of bone `bone` to the force that answers it \[s\].
+    /// Returns the delay that frames of the simulation and observation, which alone adds
+    /// `observed`, together add from a motion of bone `bone` to the force that answers it \[s\].
     fn added_delay(&self, bone: usize, observed: f64) -> f64;
 
     /// Force \[N\] and torque about the bone's centre \[N m\] on the wearer, world, per bone.
     fn device_wrenches(&self) -> &[[Vec3; 2]];
 
-    /// What else acts in a simulation that is within, until told otherwise: objects, loads, other
-    /// hands. The hand's own targets are written over each tick.
+    /// Returns what else acts, until changed, in a simulation that runs within: objects, loads,
+    /// other hands. The hand's own targets are overwritten each tick.
     fn input_mut(&mut self) -> Option<&mut Input> {
         None
     }

@@ -3,9 +3,9 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
-/// What others hold for a moment at most, in ways out that must not wait for ever: `None` when this
-/// very thread holds it, as in a panic hook. A panic elsewhere while it was held does no harm to
-/// it.
+/// Locks what others hold for a moment at most, in ways out that must not wait for ever: `None`
+/// when this very thread holds it, as in a panic hook. A panic elsewhere while it was held does it
+/// no harm.
 pub fn lock_soon<T>(what: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     for _ in 0..100 {
         match what.try_lock() {

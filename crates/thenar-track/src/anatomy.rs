@@ -1,9 +1,9 @@
-//! Which joint bends which finger which way.
+//! Roles of joints: which bends which finger which way.
 
 use thenar_core::Vec3;
 use thenar_core::model::{Digit, HandModel, JointKind};
 
-/// What a joint is to a hand.
+/// Role of a joint in a hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointRole {
     /// Name of the bone it carries.

@@ -7,7 +7,7 @@ use super::articulation::Articulation;
 use std::f64::consts::PI;
 use thenar_core::model::{Digit, HandModel};
 
-/// How many angles a hand has: four for each digit.
+/// Number of angles of a hand: four for each digit.
 pub const ANGLES: usize = 20;
 
 /// One of the twenty angles. Angles are anatomical: flexion is positive when the hand closes,

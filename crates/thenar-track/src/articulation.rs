@@ -43,7 +43,7 @@ impl Articulation {
         *pose_WM * self.pose_MB * self.pose_BT
     }
 
-    /// Where the model frame of a hand at rest must be for its wrist to be at `pose_WT`.
+    /// Returns the pose of the model frame that puts the wrist of a hand at rest at `pose_WT`.
     pub fn placement(&self, pose_WT: &Pose) -> Pose {
         *pose_WT * self.pose_BT.inverse() * self.pose_MB.inverse()
     }

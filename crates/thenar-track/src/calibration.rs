@@ -1,4 +1,4 @@
-//! What is learnt of a tracked hand: how its tracker's wrist frame lies, and how large it is.
+//! Calibration to a tracked hand: the turn of its tracker's wrist frame, and its size.
 
 use super::recording::mirrored;
 use super::retarget::tracked_index;
@@ -106,7 +106,7 @@ impl BoneLengths {
         lengths
     }
 
-    /// How much larger a tracked hand is than ours; `None` when nothing is comparable.
+    /// Returns the size of a tracked hand over ours; `None` when nothing is comparable.
     pub fn ratio(&self, joints: &[Pose; 25]) -> Option<f64> {
         let distance = |[a, b]: &[usize; 2]| (joints[*a].position - joints[*b].position).norm();
         let ratio = self.pairs.iter().map(distance).sum::<f64>() / self.ours;

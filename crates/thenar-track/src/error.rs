@@ -1,4 +1,4 @@
-//! What keeps a tracked hand from moving ours.
+//! Errors that keep a tracked hand from moving ours.
 
 use thenar_core::kinematics::TreeError;
 

@@ -26,8 +26,8 @@ use nalgebra::{SMatrix, SVector};
 use thenar_core::model::{Digit, HandModel};
 use thenar_core::{Pose, Quat, Vec3};
 
-/// How far pads that meet press into each other \[m\]: usual drives hold the tip of a bent digit
-/// with some 330 N/m, and give 1.5 N for 4.5 mm on either side.
+/// Depth to which pads that meet press into each other \[m\]: usual drives hold the tip of a bent
+/// digit with some 330 N/m, and give 1.5 N for 4.5 mm on either side.
 const PRESS: f64 = 9e-3;
 /// Gap at which pads are led by rotations alone, and from which on by each other, in sums of their
 /// radii: from a pad's breadth and a half to what trackers err by at a fingertip (some 4 mm of 17).
@@ -38,8 +38,8 @@ const PRESSED: [f64; 2] = [0.5, 0.1];
 /// Cosine of the angle between a pad's normal and the way to the other from which on it faces it
 /// fully: 60°.
 const FACING: f64 = 0.5;
-/// How digits find each other: first they turn to face as far as they can without leaving the
-/// tracked angles too far, then their pads close what is left between them.
+/// Stages in which digits find each other: first they turn to face as far as they can without
+/// leaving the tracked angles too far, then their pads close what is left between them.
 const STAGES: [Stage; 2] =
     [Stage { turn: 0.02, ease: 0.025, rounds: 8 }, Stage { turn: 0.003, ease: 0.004, rounds: 8 }];
 /// Damping \[m/rad\]: a twenty-fifth of the square of a finger's arm of 50 mm.
@@ -58,7 +58,7 @@ pub(crate) struct Meeting {
     /// The thumb first.
     tips: Vec<Tip>,
     bones: BoneLengths,
-    /// How far pads that touch press into each other \[m\].
+    /// Depth to which pads that touch press into each other \[m\].
     press: f64,
 }
 

@@ -28,17 +28,17 @@ pub use desc::RecordedDesc;
 
 /// Inner time step \[s\].
 const STEP: f64 = 1e-3;
-/// How long the filter runs on after the last sample, until nothing moves any more \[s\].
+/// Time for which the filter runs on after the last sample, until nothing moves any more \[s\].
 const SETTLE: f64 = 120.0;
 
-/// What the tracker knows at an instant.
+/// State of tracking at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tracking {
-    /// There are samples.
+    /// Samples come in.
     Tracked,
-    /// There are none; the hand stands still.
+    /// Samples are missing, and the hand stands still.
     Lost,
-    /// There are samples again, and the hand is on its way to them.
+    /// Samples come in again, and the hand is on its way to them.
     Reacquiring,
 }
 
@@ -56,7 +56,7 @@ pub struct Recorded {
     articulation: Articulation,
     settings: Settings,
     knots: Vec<Knot>,
-    /// What the filter holds after `steps` inner steps.
+    /// Number of inner steps behind the filter's state.
     steps: u64,
     /// The knot in force.
     at: usize,
@@ -64,7 +64,7 @@ pub struct Recorded {
     rotation: filter::Rotation,
     joints: Vec<[filter::Scalar; 2]>,
     tracking: Tracking,
-    /// When tracking last came back \[s\].
+    /// Time at which tracking last came back \[s\].
     acquired: f64,
     angles: Vec<[f64; 2]>,
     rates: Vec<[f64; 2]>,
@@ -119,17 +119,17 @@ impl Recorded {
         self.knots.last().map_or(0.0, |knot| knot.time)
     }
 
-    /// How late the targets follow steady motion \[s\].
+    /// Returns the lag of the targets behind steady motion \[s\].
     pub fn delay(&self) -> f64 {
         2.0 / self.settings.omega
     }
 
-    /// What the tracker knew at the time last sampled.
+    /// Returns the state of tracking at the time last sampled.
     pub fn tracking(&self) -> Tracking {
         self.tracking
     }
 
-    /// Where the model frame of the hand at rest must be for its wrist to be where the motion
+    /// Returns the pose of the model frame that puts the wrist of the hand at rest where the motion
     /// starts. The motion starts with the fingers at rest too.
     pub fn start_placement(&self) -> Pose {
         self.articulation.placement(&self.knots[0].wrist)

@@ -109,8 +109,9 @@ impl Retarget {
     }
 }
 
-/// How much larger the tracked hand is than `hand`: median over the recording of the ratio of
-/// summed distances between the joints of neighbouring bones. `None` when nothing is comparable.
+/// Returns the size of the tracked hand over that of `hand`: the median over the recording of the
+/// ratio of summed distances between the joints of neighbouring bones. `None` when nothing is
+/// comparable.
 pub fn size_ratio(hand: &HandModel, samples: &[TrackedSample]) -> Option<f64> {
     let bones = BoneLengths::of(hand);
     let mut ratios: Vec<f64> =

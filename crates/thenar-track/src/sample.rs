@@ -1,4 +1,4 @@
-//! What trackers tell.
+//! Samples that trackers report.
 
 use crate::live::LivePose;
 use thenar_core::model::Side;
@@ -8,7 +8,7 @@ use thenar_core::model::Side;
 pub struct HandSample {
     /// Side of the hand.
     pub side: Side,
-    /// When it was measured, or received where the device tells no time \[ns\].
+    /// Time of measurement, or of reception where the device gives no time \[ns\].
     pub time_ns: u64,
     /// The hand in the world; `None` when the device says that it does not see it. A glove without
     /// a tracker of its own has its wrist where the profile puts it.

@@ -1,6 +1,6 @@
-//! How late a tracked hand is seen.
+//! Timing of trackers: how late a hand is seen.
 
-/// What a tracker does to the loop.
+/// Timing and noise of a tracker.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TrackerTiming {
     /// Samples per second \[Hz\].
@@ -24,7 +24,7 @@ impl TrackerTiming {
     }
 }
 
-/// What observing a tracker's samples adds to their delay, as far as a spring is concerned: the
+/// Delay that observing a tracker's samples adds to theirs, as far as a spring is concerned: the
 /// part of its stiffness that it takes off the damping of whoever holds it, `-Im G(ω)/ω` of what is
 /// observed over what is there, at the worst ω. Observers carry motion on, which makes up for
 /// delay; and they remember noisy samples longer, which is late.

@@ -7,7 +7,7 @@ use thenar_core::kinematics::Tree;
 use thenar_core::model::{HandModel, Side};
 use thenar_core::{Pose, Quat, Vec3};
 
-/// What the watched hand does, and what the tracker does to it.
+/// Watched hand, its motion, and the faults of its tracker.
 pub struct Tracker<'a> {
     /// The watched hand.
     pub hand: &'a HandModel,

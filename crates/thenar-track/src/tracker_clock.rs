@@ -27,7 +27,7 @@ pub struct TrackerClock {
 }
 
 impl TrackerClock {
-    /// What the tracker calls `time_ns`, told now, on our clock \[ns\]; never later than now.
+    /// Returns the tracker's `time_ns`, reported now, on our clock \[ns\]; never later than now.
     pub fn follow(&mut self, side: Side, now_ns: u64, time_ns: u64) -> u64 {
         let (time_ns, jumped) = self.hands[side as usize].follow(now_ns, time_ns);
         if jumped {
@@ -36,7 +36,7 @@ impl TrackerClock {
         time_ns
     }
 
-    /// What there is to tell, for whoever tells it.
+    /// Returns the news of the clock, for whoever reports it.
     pub fn news(&self) -> ClockNews {
         self.news.clone()
     }

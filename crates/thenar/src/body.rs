@@ -1,4 +1,4 @@
-//! What a contact is between.
+//! Bodies that a contact is between.
 
 use crate::{HandId, RigidId, SoftId};
 use thenar_core::model::Digit;

@@ -9,7 +9,7 @@ use thenar_scene::grip::GripKind;
 use thenar_scene::session::{GripError, Session};
 use thenar_track::live::{LiveError, Mover};
 
-/// What presses on the palm or on a finger.
+/// Load on the palm or on a finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FingerLoad {
     /// The palm, or the finger.
@@ -90,7 +90,7 @@ impl<'a> HandRef<'a> {
         self.built().flesh().map_or(&[], |soft| self.session.world().nodes(soft))
     }
 
-    /// What presses on palm, thumb, index, middle, ring and little finger.
+    /// Loads on palm, thumb, index, middle, ring and little finger.
     pub fn loads(&self) -> [FingerLoad; 6] {
         let loads = self.session.hand_loads(self.hand);
         std::array::from_fn(|k| {
@@ -129,7 +129,7 @@ impl<'a> HandRef<'a> {
         Ok((pose, misses.into_iter().fold(0.0, f64::max)))
     }
 
-    /// What moves it: its script, poses, or nothing since poses were lost.
+    /// Source of the hand's motion: its script, poses, or nothing since poses were lost.
     pub fn mover(&self) -> Mover {
         self.session.mover(self.hand)
     }
@@ -139,7 +139,7 @@ impl<'a> HandRef<'a> {
         self.session.grip_state(self.hand).map(|state| state.force)
     }
 
-    /// What is amiss with the present grip, in a sentence.
+    /// Trouble with the present grip, in a sentence.
     pub fn grip_trouble(&self) -> Option<String> {
         self.session.grip_trouble(self.hand)
     }

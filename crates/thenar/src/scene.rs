@@ -13,7 +13,8 @@ use toml::{Table, Value};
 /// Time step of a scene made in code \[s\].
 const TIME_STEP: f64 = 5e-3;
 
-/// What a scene takes: [`Hand`](crate::Hand), [`Rigid`](crate::Rigid) and [`Soft`](crate::Soft).
+/// Parts that a scene takes: [`Hand`](crate::Hand), [`Rigid`](crate::Rigid) and
+/// [`Soft`](crate::Soft).
 pub trait Part: Sealed {
     /// Handle by which a simulation is asked about it.
     type Id;
@@ -22,7 +23,7 @@ pub trait Part: Sealed {
     fn id(place: usize) -> Self::Id;
 }
 
-/// What a part is in a scene file.
+/// Form of a part in a scene file.
 pub trait Sealed {
     /// The list that it belongs to.
     const KEY: &'static str;
@@ -36,7 +37,7 @@ pub trait Sealed {
 /// is said by [`Scene::build`].
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// As it was opened, without what was added since.
+    /// Text as it was opened, without what was added since.
     text: String,
     added: Vec<Added>,
     /// Names the scene in messages; paths in it start at its folder.
@@ -51,7 +52,7 @@ struct Added {
     /// The list that it belongs to, and its place there.
     list: &'static str,
     place: usize,
-    /// What a name that no one gave begins with.
+    /// Beginning of a name that no one gave.
     usual: String,
     keys: Table,
 }
@@ -167,7 +168,7 @@ impl Scene {
         Session::from_text(&self.written(), &self.file, &self.overrides).map(Simulation::new)
     }
 
-    /// What [`Scene::set`] changes: the steps to each key, and its value.
+    /// Changes by [`Scene::set`]: the steps to each key, and its value.
     fn changes(&self) -> impl Iterator<Item = (Vec<&str>, Value)> {
         let given = self.overrides.iter().filter_map(|given| given.split_once('='));
         given.map(|(key, value)| (key.split('.').map(str::trim).collect(), value_of(value.trim())))

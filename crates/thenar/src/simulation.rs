@@ -62,13 +62,13 @@ impl Simulation {
         self.session.world().time_step()
     }
 
-    /// What the last step reported.
+    /// Report of the last step.
     pub fn report(&self) -> StepReport {
         *self.session.report()
     }
 
-    /// What is known to go wrong in the scene as it is set, and bodies that start inside each
-    /// other: a sentence each.
+    /// Known problems of the scene as it is set, and bodies that start inside each other: a
+    /// sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let overlaps = self.session.start_overlaps().iter().map(ToString::to_string);
         self.session.warnings().into_iter().chain(overlaps).collect()
@@ -183,7 +183,7 @@ impl Simulation {
         SoftMut { soft: self.softs[soft.0], world: self.session.world_mut() }
     }
 
-    /// What presses on palm, thumb, index, middle, ring and little finger of a hand.
+    /// Loads on palm, thumb, index, middle, ring and little finger of a hand.
     ///
     /// # Panics
     /// The handle is of another scene, which has more hands.

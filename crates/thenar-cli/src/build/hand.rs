@@ -55,8 +55,8 @@ pub fn write_boned(args: &Args, outputs: &mut Outputs, hand: &HandModel) -> Resu
     Ok(())
 }
 
-/// As in scenes: what is not given comes from the preset, and a number of tetrahedra of one size or
-/// springs on all flesh are about the paper's hand.
+/// Options as in scenes: what is not given comes from the preset, and a number of tetrahedra of one
+/// size or springs on all flesh are about the paper's hand.
 fn options(args: &Args) -> Result<HandOptions, CliError> {
     let is_papers = args.tets.is_some() || args.coupling == Some(CouplingArg::Uniform);
     let usual = match args.preset {
@@ -116,7 +116,7 @@ fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>, CliError> {
         .map_err(|e| CliError::Input(format!("{}: {e}", path.display())))
 }
 
-/// How the rig was read, where that was not as it says itself.
+/// Prints how the rig was read, where that was not as it states itself.
 fn print_reading(rig: &RigReading) {
     print_meshes(&rig.meshes);
     if let Some(JoinedMeshes { cell, left_out }) = rig.joined {
@@ -203,7 +203,7 @@ fn print(r: &HandReport) {
     }
 }
 
-/// How joints resist, axis by axis.
+/// Prints the resistance of joints, axis by axis.
 fn print_joints(joints: &[JointStiffness]) {
     println!(
         "joints [N m/rad]: total with all others free = flesh + spring (flesh with all others held):"

@@ -104,7 +104,7 @@ pub struct Args {
     /// Draw what was built as a PNG file.
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
-    /// What to draw: skin, flesh, bones, weights.
+    /// Layers to draw: skin, flesh, bones, weights.
     #[arg(long, default_value = "skin,bones", value_name = "LIST", requires = "picture")]
     layers: Layers,
     /// Write a GLB of the built hand or figure.
@@ -125,7 +125,7 @@ pub enum PresetArg {
 }
 
 impl PresetArg {
-    /// What scenes call it.
+    /// Word for it in scenes.
     pub fn word(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -144,7 +144,7 @@ pub enum SideArg {
 }
 
 impl SideArg {
-    /// As models have it.
+    /// Side, as models have it.
     pub fn side(self) -> Side {
         match self {
             Self::Left => Side::Left,
@@ -153,7 +153,7 @@ impl SideArg {
     }
 }
 
-/// What the springs between flesh and bones hold.
+/// Flesh that springs hold to bones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum CouplingArg {
     /// All flesh.
@@ -162,12 +162,12 @@ enum CouplingArg {
     Bone,
 }
 
-/// Where the springs of a hand's joints come from.
+/// Source of the springs of a hand's joints.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum SpringsArg {
     /// A table.
     Fixed,
-    /// What flesh leaves.
+    /// The rest that flesh leaves of the stiffness of people's joints.
     Rest,
 }
 

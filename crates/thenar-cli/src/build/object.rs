@@ -100,7 +100,7 @@ fn print_extent(args: &Args, mesh: &TriMesh, mass: f64, volume: f64) {
     }
 }
 
-/// How the inside of a mesh was found, for a person.
+/// Describes, for a person, how the inside of a mesh was found.
 fn inside(interior: Interior) -> String {
     match interior {
         Interior::Closed => "of a closed surface, exact".into(),

@@ -1,4 +1,4 @@
-//! When a line of progress is due, and what it says.
+//! Lines of progress: when one is due, and what it says.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
@@ -15,9 +15,9 @@ const PACE: Duration = Duration::from_millis(900);
 /// Tells of one stage after the other.
 pub(super) struct Teller {
     now: Progress,
-    /// When the first stage began.
+    /// Start of the first stage.
     begun: Instant,
-    /// When something was told last.
+    /// Time of the last report.
     last: Instant,
     terminal: bool,
     bar: Option<ProgressBar>,

@@ -33,8 +33,8 @@ impl Axis {
         Self { min: min.max(max * 10.0_f64.powf(-decades)), max, log: true }
     }
 
-    /// Where a value is, from 0 to 1; values outside stay at the ends. None when it is not a
-    /// number.
+    /// Place of a value on the axis, from 0 to 1; values outside stay at the ends. None when it is
+    /// not a number.
     pub fn place(&self, value: f64) -> Option<f64> {
         let part = match self.log {
             true if value > 0.0 => (value / self.min).log10() / (self.max / self.min).log10(),
@@ -58,7 +58,7 @@ impl Axis {
         (first..=last).map(|k| k as f64 * step).collect()
     }
 
-    /// How a tick is written.
+    /// Text at a tick.
     pub fn label(&self, tick: f64) -> String {
         if self.log {
             let power = tick.log10().round() as i32;

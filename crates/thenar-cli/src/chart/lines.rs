@@ -3,7 +3,7 @@
 /// Most points of a line over time: a panel is not wider in pixels.
 const BUCKETS: usize = 400;
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
     /// In one stroke.

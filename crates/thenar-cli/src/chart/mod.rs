@@ -14,7 +14,7 @@ pub use page::page;
 /// One pair of axes with lines.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// What is shown, with its unit.
+    /// Quantity that is shown, with its unit.
     pub title: String,
     /// Label of the horizontal axis, with its unit.
     pub x_label: String,

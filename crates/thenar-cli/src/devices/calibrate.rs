@@ -20,7 +20,7 @@ pub struct Args {
     /// The profile to write; by default your own for this driver.
     #[arg(long)]
     output: Option<PathBuf>,
-    /// How long each pose is watched [s].
+    /// Time for which each pose is watched [s].
     #[arg(long, default_value_t = 1.0, value_parser = super::test::seconds)]
     seconds: f64,
 }

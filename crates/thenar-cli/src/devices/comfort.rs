@@ -37,10 +37,10 @@ pub struct Args {
     /// [s].
     #[arg(long, value_name = "S", value_parser = ramp)]
     ramp: Option<f64>,
-    /// How long each step lasts [s].
+    /// Duration of each step [s].
     #[arg(long, value_name = "S", default_value_t = 1.5, value_parser = step)]
     seconds: f64,
-    /// Where stops are, as a fraction of your calibrated range: 0 open to 1 closed.
+    /// Place of stops, as a fraction of your calibrated range: 0 open to 1 closed.
     #[arg(long, value_name = "FRACTION", default_value_t = 0.5, value_parser = super::test::fraction)]
     stop_at: f64,
     /// Do not ask before the first finger.
@@ -74,12 +74,12 @@ const AGAIN: usize = 3;
 const PATIENCE: Duration = Duration::from_secs(5);
 /// One that went and does not come back within this is lost.
 const RETURNS: Duration = Duration::from_secs(1);
-/// What was heard longer ago than this is not there \[ns\].
+/// Silence after which a device counts as absent \[ns\].
 const PRESENT_NS: u64 = 300_000_000;
 /// Keys in so short a time after a stop belong to it \[s\].
 const PANIC: f64 = 1.0;
 
-/// What ends it without a result.
+/// Message where it ends without a result.
 const UNFINISHED: &str = "not finished: forces are released and nothing is kept";
 
 /// Asks, raises the force on one finger after the other, keeps what was comfortable.
@@ -175,7 +175,8 @@ fn introduce(rendering: Rendering, most: f64) {
     }
 }
 
-/// What is comfortable for each finger; of an arm, the least of its three directions for all.
+/// Finds the comfortable force for each finger; of an arm, the least of its three directions for
+/// all.
 fn every_finger(
     trial: &mut Trial,
     args: &Args,
@@ -202,7 +203,7 @@ fn every_finger(
     Ok(found)
 }
 
-/// What is comfortable for a finger \[N\].
+/// Finds the comfortable force for a finger \[N\].
 fn one_finger(
     trial: &mut Trial,
     axis: usize,
@@ -235,7 +236,7 @@ fn one_finger(
     Err(CliError::Other(told.into()))
 }
 
-/// As a person reads it: the next hundredth of a newton below.
+/// Force as a person reads it: the next hundredth of a newton below.
 fn rounded_down(force: f64) -> f64 {
     // What is a hundredth but for its binary digits is one.
     (force * 100.0 + 1e-9).floor() / 100.0

@@ -89,7 +89,7 @@ fn side_of(tracker: &mut dyn Tracker) -> Side {
     Side::Right
 }
 
-/// What takes part.
+/// Display, tracker, guard and hand that take part.
 pub struct Trial<'a> {
     /// The display.
     pub display: &'a mut dyn ForceDisplay,
@@ -98,7 +98,7 @@ pub struct Trial<'a> {
     speeds: Speeds,
     /// The hand.
     pub side: Side,
-    /// Where fingers are stopped.
+    /// Curl at which fingers are stopped.
     stop: f64,
 }
 
@@ -130,7 +130,7 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// What the guard does.
+    /// State of the guard.
     pub fn status(&self) -> Status {
         self.guard.status()
     }

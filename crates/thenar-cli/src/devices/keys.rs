@@ -10,7 +10,7 @@ use thenar_link::now_ns;
 /// Between two looks at whether the program is to end.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What a person at the terminal does.
+/// Action of a person at the terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Key {
     /// A key, and when it came \[ns\].
@@ -37,7 +37,7 @@ impl Keys {
         Self(from)
     }
 
-    /// What happened since the last time, one at a time, without waiting.
+    /// Returns what happened since the last time, one at a time, without waiting.
     pub fn heard(&self) -> Option<Key> {
         match self.0.try_recv() {
             Ok((time_ns, _)) => Some(Key::Pressed(time_ns)),

@@ -31,13 +31,13 @@ pub struct Args {
     /// Delay of the second tracker [s]; by default what its profile states.
     #[arg(long, value_name = "S", requires = "with", value_parser = delay)]
     reference_latency: Option<f64>,
-    /// What is compared; by default the fingers, and the wrist where they do not move.
+    /// Motion to compare; by default of the fingers, and of the wrist where they do not move.
     #[arg(long, value_enum, requires = "with")]
     of: Option<ComparedWord>,
-    /// How long both are watched while you move [s].
+    /// Time for which both are watched while you move [s].
     #[arg(long, value_name = "S", requires = "with", default_value_t = 20.0, value_parser = super::test::seconds)]
     seconds: f64,
-    /// How many times you tap a key.
+    /// Number of times that you tap a key.
     #[arg(long, value_name = "COUNT", conflicts_with = "with", default_value_t = 20, value_parser = clap::value_parser!(u32).range(10..=1000))]
     taps: u32,
     /// The finger that taps.
@@ -46,7 +46,7 @@ pub struct Args {
     /// From your key to this program [s].
     #[arg(long, value_name = "S", conflicts_with = "with", default_value_t = KEY_DELAY, value_parser = delay)]
     key_delay: f64,
-    /// How long the hand is held still for the noise [s]; 0 leaves the noise as it is stated.
+    /// Time for which the hand is held still for the noise [s]; 0 leaves the noise as it is stated.
     #[arg(long, value_name = "S", default_value_t = 4.0, value_parser = super::test::seconds)]
     still: f64,
     /// The hand, where a tracker sees both.
@@ -60,12 +60,12 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
-/// What of a hand is compared.
+/// Motion of a hand that is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum ComparedWord {
-    /// How far the fingers are bent.
+    /// Bend of the fingers.
     Fingers,
-    /// How fast the wrist goes.
+    /// Speed of the wrist.
     Wrist,
 }
 
@@ -95,7 +95,7 @@ fn delay(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What an unfinished measurement says.
+/// Message of an unfinished measurement.
 const UNFINISHED: &str = "not finished: the profile is unchanged";
 
 /// Asks, watches, tells, and keeps what was found if the person agrees.

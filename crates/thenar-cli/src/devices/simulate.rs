@@ -10,14 +10,14 @@ use thenar_link::twin::SIMULATIONS;
 pub struct Args {
     /// Which; without it, what there is.
     name: Option<String>,
-    /// Where it is: a path for gloves on serial ports, by default in the folder for temporary
-    /// files; HOST:PORT for the others, by default where their driver looks first.
+    /// Address of the device: a path for gloves on serial ports, by default in the folder for
+    /// temporary files; HOST:PORT for the others, by default where their driver looks first.
     #[arg(long)]
     port: Option<String>,
     /// Hold the hand still, so far closed: 0 open to 1 closed. By default it opens and closes.
     #[arg(long, value_parser = super::test::fraction)]
     still: Option<f64>,
-    /// What it tells is so old [s]: all simulated hands that are not still move as one, by this
+    /// Age of what it reports [s]: all simulated hands that are not still move as one, by this
     /// computer's clock.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = late)]
     late: f64,

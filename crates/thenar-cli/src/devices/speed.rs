@@ -1,5 +1,5 @@
-//! How fast fingers open and a hand moves, out of what a tracker tells: for the guards of a first
-//! force.
+//! Speeds of opening fingers and of a moving hand, from what a tracker reports: for the guards of a
+//! first force.
 
 use thenar_core::model::Side;
 use thenar_core::{Pose, Vec3};
@@ -34,7 +34,7 @@ pub struct Speeds {
     wrist: Vec3,
 }
 
-/// What is compared.
+/// Parts of a pose that are compared.
 #[derive(Clone, Copy)]
 enum PoseSample {
     Angles([f64; ANGLES], Vec3),

@@ -1,4 +1,4 @@
-//! What measures Thenar: benches, comparisons, fits, studies of touch, stress tests, and figures
+//! Measurements of Thenar: benches, comparisons, fits, studies of touch, stress tests, and figures
 //! beside theory.
 
 pub mod bench;

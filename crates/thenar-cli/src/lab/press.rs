@@ -13,7 +13,7 @@ const SIZE: [f64; 3] = [0.024, 0.01, 0.04];
 /// A plate at the pad of a finger at rest.
 #[derive(Clone, Debug)]
 pub struct Plate {
-    /// Where the body stands when it touches, world \[m\].
+    /// Position of the body when it touches, world \[m\].
     pub touch: Vec3,
     /// The way that it presses, of length one, world.
     pub way: Vec3,

@@ -58,7 +58,7 @@ struct Extremes {
     failure: Option<Failure>,
     energy: f64,
     penetration: f64,
-    /// When that was \[s\], and between which bodies.
+    /// Time of the deepest penetration \[s\], and the bodies between which it was.
     deepest: Option<(f64, [BodyId; 2])>,
     /// Steps with a penetration of [`judge::DEEP`] or more; of these the last ones in a row, and
     /// the most in a row.
@@ -265,7 +265,7 @@ fn soak(args: &Args, h: f64, seed: u32, more: &[String]) -> Result<Extremes, Str
     Ok(extremes)
 }
 
-/// What is looked at now and then.
+/// Takes note of energy and speed, now and then.
 fn look_around(session: &Session, extremes: &mut Extremes) {
     let world = session.world();
     extremes.energy = extremes.energy.max(world.energy(session.input()).total().abs());

@@ -44,7 +44,7 @@ pub struct Args {
     /// Show it on the live page, at its own pace, with pause and places to go to.
     #[arg(long, conflicts_with_all = ["verify", "mcap", "csv", "rate"])]
     serve: bool,
-    /// Where that page is, and for whom.
+    /// Options of that page: where it is, and for whom.
     #[command(flatten)]
     page: PageOptions,
     /// No summary.
@@ -237,7 +237,7 @@ fn stray(verdict: &Verdict) -> String {
     format!("records that fit no channel as it was announced: {}", verdict.strays)
 }
 
-/// What `--verify` says of it.
+/// Judges the recording as `--verify` asks.
 fn judge(args: &Args, verdict: &Verdict, recorded: &Header, here: &Header) -> Result<(), CliError> {
     if !args.verify {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Which scene is meant.
+//! Search for the scene that is meant.
 
 use crate::building::told;
 use crate::error::CliError;
@@ -8,7 +8,7 @@ use thenar_scene::session::{
     Builtin, Session, StartOverlap, builtin, builtins, live_overrides, read, read_scene,
 };
 
-/// Where a scene is.
+/// Place of a scene.
 #[derive(Debug)]
 pub enum Found {
     /// In a file.

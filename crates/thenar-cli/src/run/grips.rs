@@ -1,4 +1,4 @@
-//! What goes amiss with grips while a scene runs.
+//! Troubles of grips while a scene runs.
 
 use std::mem::discriminant;
 use thenar_scene::grip::Trouble;

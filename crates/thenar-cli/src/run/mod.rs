@@ -58,7 +58,7 @@ pub struct Args {
     quiet: bool,
 }
 
-/// What a run amounted to.
+/// Outcome of a run.
 #[derive(Debug)]
 pub struct Outcome {
     /// Extremes of the whole run.

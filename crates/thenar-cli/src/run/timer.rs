@@ -1,4 +1,4 @@
-//! How long the stages of a step take.
+//! Times that the stages of a step take.
 
 use std::time::Instant;
 use thenar_core::histogram::Histogram;
@@ -27,7 +27,7 @@ pub struct StageTimes {
 pub struct StopWatch {
     /// All times so far.
     pub times: StageTimes,
-    /// When the step and its present stage began.
+    /// Starts of the step and of its present stage.
     step: Option<Instant>,
     stage: Option<(Stage, Instant)>,
     /// This step's times \[ns\]: a stage may come more than once.

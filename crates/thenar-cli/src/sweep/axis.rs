@@ -7,7 +7,7 @@ use thenar_input::quoted;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
     pub key: String,
-    /// As they were written: TOML, or bare words.
+    /// Values as they were written: TOML, or bare words.
     pub values: Vec<String>,
 }
 

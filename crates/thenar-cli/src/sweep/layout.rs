@@ -46,7 +46,7 @@ fn spread(k: u64, cases: u64) -> u64 {
     (scaled >> 64) as u64
 }
 
-/// What the row of a case is at its start, if its bodies can be built.
+/// Row of a case at its start, if its bodies can be built.
 fn start(scene: &Scene, plan: &Plan, case: u64) -> Option<Row> {
     let open = || Session::from_text(&scene.text, &scene.file, &plan.overrides(case));
     let row = AssertUnwindSafe(|| {

@@ -1,4 +1,4 @@
-//! What is swept, so that nobody goes on with another sweep, and what came of it.
+//! Manifest of a sweep, so that nobody continues with another one, and its outcome.
 
 use super::plan::Plan;
 use super::record::Record;
@@ -75,7 +75,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// As text for the metadata of results.
+    /// Text for the metadata of results.
     pub fn text(&self) -> String {
         Value::Object(self.0.clone()).to_string()
     }
@@ -131,7 +131,7 @@ fn read(file: &Path) -> Result<Map<String, Value>, CliError> {
         .map_err(|e| wrong(format!("this is not a manifest of a sweep: {e}")))
 }
 
-/// As `sha256sum` writes it.
+/// Hash of bytes as `sha256sum` writes it.
 pub fn sha256(bytes: &[u8]) -> String {
     let digest = ring::digest::digest(&ring::digest::SHA256, bytes);
     digest.as_ref().iter().map(|byte| format!("{byte:02x}")).collect()

@@ -1,4 +1,4 @@
-//! Which cases there are.
+//! Plan of a sweep's cases.
 
 use super::axis::{Axis, tidy};
 use super::cell::ColumnKind;
@@ -25,7 +25,7 @@ pub struct Plan {
     groups: Vec<Group>,
     /// Name and kind of the columns that tell cases apart, in the order of groups.
     pub columns: Vec<(String, ColumnKind)>,
-    /// How many cases there are.
+    /// Number of cases.
     pub cases: u64,
 }
 

@@ -11,7 +11,7 @@ const BYTES_MAX: u64 = 64 << 20;
 /// Figures of a case: name, unit, cell.
 pub type Row = Vec<(String, String, Figure)>;
 
-/// What became of a case.
+/// Outcome of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     pub case: u64,
@@ -28,7 +28,7 @@ impl Record {
         Self { case, failed, row }
     }
 
-    /// Where the record of a case is.
+    /// Path of a case's record.
     pub fn file(folder: &Path, case: u64) -> std::path::PathBuf {
         folder.join(format!("{case}.json"))
     }

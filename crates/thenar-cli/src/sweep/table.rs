@@ -12,7 +12,7 @@ const BYTES_MAX: u64 = 256 << 20;
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Table {
     pub keys: Vec<String>,
-    /// As many values as keys in each.
+    /// Rows with as many values as there are keys.
     pub rows: Vec<Vec<String>>,
 }
 

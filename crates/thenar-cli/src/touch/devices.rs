@@ -18,7 +18,7 @@ pub struct DeviceOptions {
     /// on it.
     #[arg(long = "device", value_name = "NAME:ADDRESS")]
     pub devices: Vec<String>,
-    /// How touch joins the tracked hand and the simulation.
+    /// Mode in which touch joins the tracked hand and the simulation.
     #[arg(long, value_enum, default_value_t, requires = "devices")]
     pub mode: ModeWord,
     /// Let forces through from the start. Without it the displays get zeros until somebody arms
@@ -39,7 +39,7 @@ pub struct DeviceOptions {
     /// Start no keepers: processes that let the wearer go when this program is stopped or killed.
     #[arg(long, requires = "devices")]
     pub no_keeper: bool,
-    /// Where the last seconds of signals are written when the safety limits stop the forces.
+    /// Folder for the last seconds of signals when the safety limits stop the forces.
     #[arg(long, value_name = "DIR", default_value = ".", requires = "devices")]
     pub trips: PathBuf,
 }

@@ -42,7 +42,7 @@ pub struct Args {
     quiet: bool,
 }
 
-/// How the simulation beside the loop did.
+/// Performance of the simulation beside the loop.
 pub struct Beside {
     /// Time of each step, with its frame \[ns\].
     pub costs: Histogram,

@@ -1,4 +1,4 @@
-//! What a session of touch amounted to, for a person.
+//! Report on a session of touch, for a person.
 
 use super::Beside;
 use thenar_core::model::Side;

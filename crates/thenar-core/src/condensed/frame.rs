@@ -1,4 +1,4 @@
-//! What one step tells: bones, and how they answer until the next frame. Plain data of fixed size:
+//! Payload of one step: bones, and their response until the next frame. Plain data of fixed size:
 //! the program around moves it through latest-value slots, and neither side ever waits for the
 //! other.
 
@@ -8,15 +8,15 @@ use super::{Condensed, RigidState};
 #[derive(Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SlowToFast {
-    /// When the frame's inputs were taken \[ns\]; its age counts from here.
+    /// Time at which the frame's inputs were taken \[ns\]; its age counts from here.
     pub time_ns: u64,
     /// Simulation step; a larger one is a newer frame.
     pub step: u64,
     /// The simulated bones.
     pub bones: Vec<RigidState>,
-    /// Where they would be in empty air, led by `FastToSlow::free`; empty where nobody knows.
+    /// Bones as they would be in empty air, led by `FastToSlow::free`; empty where unknown.
     pub free: Vec<RigidState>,
-    /// How they answer until the next frame; without contacts and compliance when it is not used.
+    /// Response until the next frame; without contacts and compliance when it is not used.
     pub response: Condensed,
 }
 

@@ -22,7 +22,7 @@ pub struct CondensedContact {
     pub force: Vec3,
 }
 
-/// How bones and contacts answer to forces about one frame.
+/// Response of bones and contacts to forces about one frame.
 ///
 /// With n bones and m contacts; row-major; bone degrees of freedom are displacement \[m\] then
 /// rotation vector \[rad\], world, and forces likewise N and N m.
@@ -47,9 +47,9 @@ pub struct Condensed {
     contacts_max: usize,
     /// Couplings of the bones to their proxies.
     pub springs: Vec<Drive>,
-    /// Where the proxies were in this frame.
+    /// Poses and velocities of the proxies in this frame.
     pub targets: Vec<RigidState>,
-    /// How far the bones are from where they come to rest under the frame's forces and unmoved
+    /// Offset of the bones from where they come to rest under the frame's forces and unmoved
     /// proxies, 6n; zero when left empty.
     pub rest: Vec<f64>,
     /// Wrenches on the bones from outside that are no contact and no weight, 6n; none when left
@@ -302,7 +302,7 @@ mod tests {
     use crate::testing::Random;
     use nalgebra::{DMatrix, DVector};
 
-    /// What one contact's force moves all values by is its column of `J C Jᵀ + W`.
+    /// The change of all values under one contact's force is its column of `J C Jᵀ + W`.
     #[test]
     fn a_force_moves_the_values_of_all_contacts() {
         let mut random = Random::new(3);

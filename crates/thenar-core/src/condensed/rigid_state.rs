@@ -1,4 +1,4 @@
-//! Where a rigid bone is and how it moves.
+//! Pose and velocity of a rigid bone.
 
 use crate::math::{Pose, Quat, Vec3};
 use crate::world::{Target, World};
@@ -39,7 +39,7 @@ impl RigidState {
         Pose::new(self.pose_WB.position + self.velocity_W * time, turn * self.pose_WB.rotation)
     }
 
-    /// As the target of a bone's drive in the simulation.
+    /// Returns the state as the target of a bone's drive in the simulation.
     pub fn target(&self) -> Target {
         Target {
             pose_WB: self.pose_WB,

@@ -77,14 +77,15 @@ impl Aabb {
         upper(&beyond, &Vec3::zeros()).norm_squared()
     }
 
-    /// How far the box stays from the plane through `p` with this unit normal \[m\]; negative where
-    /// it is cut.
+    /// Returns the distance of the box from the plane through `p` with this unit normal \[m\];
+    /// negative where the plane cuts it.
     #[inline]
     pub fn distance_to_plane(&self, p: &Vec3, normal: &Vec3) -> f64 {
         normal.dot(&(self.center() - p)).abs() - normal.abs().dot(&self.half())
     }
 
-    /// How far from `p` along `d`, in lengths of `d`, a ray meets the box; zero from inside.
+    /// Returns the distance from `p` along `d`, in lengths of `d`, at which a ray meets the box;
+    /// zero from inside.
     pub fn met_by_ray(&self, p: &Vec3, d: &Vec3) -> Option<f64> {
         let (mut from, mut to) = (0.0_f64, f64::INFINITY);
         for k in 0..3 {

@@ -7,7 +7,7 @@ use crate::math::Vec3;
 /// errs by half its square.
 const LYING: f64 = 0.1;
 
-/// Where a segment is nearest to a convex shape, and the part of it over the same face.
+/// Point of a segment nearest to a convex shape, and the part of the segment over the same face.
 pub(super) struct Along {
     pub lowest: Vec3,
     pub value: f64,

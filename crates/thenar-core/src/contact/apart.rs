@@ -1,4 +1,4 @@
-//! Which parts of one surface never touch each other: neighbours.
+//! Neighbouring parts of one surface, which never touch each other.
 
 use crate::contact::aabb::Aabb;
 use crate::contact::bit_table::BitTable;

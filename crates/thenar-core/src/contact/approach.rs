@@ -37,7 +37,7 @@ const OUTSIDE: f64 = 1e-6;
 pub(crate) struct Seen {
     /// Outward normal then.
     pub normal: Vec3,
-    /// Where the point was.
+    /// Position of the point then.
     pub place: Vec3,
 }
 

@@ -1,5 +1,5 @@
-//! Where a triangle of skin is farther than [`TOUCHING`] from a mesh, told by the planes of the
-//! faces near it.
+//! Test of whether a triangle of skin is farther than [`TOUCHING`] from a mesh, by the planes of
+//! the faces near it.
 //!
 //! Skin lies along what it touches, and a distance that is known in one place tells little of the
 //! next. But no face is nearer than its plane, nor than the box around it, and few faces are near a

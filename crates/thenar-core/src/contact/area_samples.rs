@@ -287,7 +287,7 @@ mod tests {
         Distance { value: (p - middle).norm() - radius, gradient: (p - middle).normalize() }
     }
 
-    /// As many parts are found below as by all samples, of which a third need not be looked into.
+    /// The bounds find as many parts below as all samples do, and spare a third of the samples.
     #[test]
     fn bounds_tell_what_samples_would() {
         let (mut random, mut all_asked) = (Noise::seeded(6), 0);
@@ -388,7 +388,7 @@ mod tests {
         }
     }
 
-    /// Where two flat pieces meet in a hollow the nearer one counts.
+    /// The nearer of two flat pieces that meet in a hollow counts.
     #[test]
     fn hollows_touch_where_either_side_does() {
         let mut random = Noise::seeded(12);

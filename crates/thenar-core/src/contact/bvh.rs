@@ -300,7 +300,7 @@ impl Bvh {
     }
 }
 
-/// Where the group changes, as near to the middle as can be.
+/// Returns the place where the group changes, as near to the middle as possible.
 fn boundary(items: &[u32], start: usize, end: usize, group_of: impl Fn(u32) -> u32) -> usize {
     let middle = (start + end) / 2;
     let changes = |&k: &usize| group_of(items[k - 1]) != group_of(items[k]);

@@ -1,4 +1,4 @@
-//! Where contacts go as they are found.
+//! Collection of contacts as they are found.
 
 use crate::contact::{Contact, SearchReport, Site};
 

@@ -1,4 +1,4 @@
-//! What detection reads and what it finds.
+//! Inputs and results of contact detection.
 
 use crate::math::{Pose, Vec3};
 

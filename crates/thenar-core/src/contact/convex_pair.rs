@@ -26,8 +26,8 @@ const HANDICAP: f64 = 1e-4;
 /// A line and a round side that cross at more than this angle (sine of 45°) are left to their
 /// nearest points.
 const ALONG: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Where the way to the other shape has turned by more than this (cosine of 45°) from the normal of
-/// the pair, it leads to another side of it.
+/// Cosine of the angle (45°) from the normal of the pair beyond which the way to the other shape
+/// leads to another side of it.
 const ALIKE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Edges that cross at more than this angle touch at their nearest points alone \[rad\]; up to it,
 /// how far they lie [beside](BESIDE) each other decides. Tests of rigid pairs hold from 0.005 to
@@ -45,8 +45,8 @@ const SAME_PLACE: f64 = 1e-6;
 /// A normal this near to that of a flat face (cosine, 1.4e-6 rad) is the face's: ten times as far
 /// as directions are good for.
 const ON_FACE: f64 = 1.0 - 1e-12;
-/// What lies beside a polygon by less than this part of its side lies on the side; corners nearer
-/// to each other than this part of the polygon are one. Round-off leaves less.
+/// Part of a polygon's side within which a point beside the side lies on it; corners nearer to each
+/// other than this part of the polygon are one. Round-off leaves less.
 const ON_SIDE: f64 = 1e-9;
 
 /// Features: the nearest points, corners of a clipped face, ends of a common length.
@@ -54,7 +54,7 @@ const NEAREST: u32 = 3 << 16;
 const CLIPPED: u32 = 4 << 16;
 const ENDS: u32 = 5 << 16;
 
-/// How far A is from B, of which one may be a half-space.
+/// Returns the separation of A from B, one of which may be a half-space.
 pub(crate) fn apart(a: &Solid, b: &Solid) -> Separation {
     match (a.shape, b.shape) {
         (Shape::HalfSpace, _) => turned(apart(b, a)),

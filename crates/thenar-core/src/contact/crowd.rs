@@ -1,4 +1,4 @@
-//! How many pairs of rigid bodies are looked at, so that a crowd in one place ends.
+//! Bound on the number of pairs of rigid bodies examined, so that a crowd in one place ends.
 //!
 //! Spheres of any sizes that touch without overlap have fewer than 14.93 neighbours on average
 //! (Kuperberg and Schramm, *Average kissing numbers for non-congruent sphere packings*, 1994),
@@ -29,8 +29,8 @@ impl Allowance {
         self.of_body = PAIRS_PER_BODY;
     }
 
-    /// How far apart boxes may be to be looked at, of a contact margin \[m\]; nothing once this
-    /// body may not be looked at any more.
+    /// Returns the distance within which boxes are examined, given a contact margin \[m\]; `None`
+    /// once the pairs of this body are used up.
     pub fn margin(&self, margin: f64) -> Option<f64> {
         match (self.all, self.of_body) {
             (1.., _) => Some(margin),

@@ -27,7 +27,7 @@ const EDGE_HANDICAP: f64 = 1e-2;
 /// boxes are rectangles, which their faces separate, and the gap is missed by less than this part
 /// of an edge.
 const SINE_MIN: f64 = 1e-3;
-/// What lies beside a face by less than this part of the boxes' sizes lies on its side, so that
+/// Part of the boxes' sizes within which a point beside a face lies on the face's side, so that
 /// round-off cuts no corner that two boxes in line share: a cut corner has another name, and what
 /// was kept of the contact is lost.
 const ON_SIDE: f64 = 1e-9;

@@ -23,9 +23,9 @@ const TRIANGLES_MIN: usize = 16;
 /// Displacements of bodies since their contacts were found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Displacements<'a> {
-    /// Where rigid bodies were.
+    /// Poses of rigid bodies then.
     pub poses_WB: &'a [Pose],
-    /// How far the vertices of all surfaces went \[m\].
+    /// Displacements of the vertices of all surfaces \[m\].
     pub vertices: &'a [Vec3],
 }
 
@@ -59,12 +59,13 @@ impl RigidMove {
         }
     }
 
-    /// How far two bodies have moved past each other at most \[m\].
+    /// Returns an upper bound of the distance that two bodies have moved past each other \[m\].
     pub fn past(&self, other: &Self) -> f64 {
         (self.way - other.way).norm() + self.sweep + other.sweep
     }
 
-    /// How far a point has moved past the body that is at `p` now and went `way` \[m\].
+    /// Returns the distance by which a point, now at `p` after the way `way`, has moved past the
+    /// body \[m\].
     fn past_point(&self, p: &Vec3, way: &Vec3) -> f64 {
         let carried = p - (self.turn * p + self.offset);
         (way - carried).norm()
@@ -147,11 +148,11 @@ impl Aabb {
     }
 }
 
-/// How far bodies have moved, and what is known of their depths.
+/// Displacements of bodies, and what is known of their depths.
 #[derive(Clone, Copy)]
 pub(super) struct Since<'a> {
     pub rigids: &'a [RigidMove],
-    /// Where rigid bodies were, and are.
+    /// Poses of rigid bodies before and now.
     pub ends: (&'a [Pose], &'a [RigidPlace]),
     /// Ways of the vertices of all surfaces \[m\].
     pub vertices: &'a [Vec3],
@@ -159,12 +160,13 @@ pub(super) struct Since<'a> {
 }
 
 impl Since<'_> {
-    /// How far two rigid bodies have moved past each other at most \[m\].
+    /// Returns an upper bound of the distance that two rigid bodies have moved past each other
+    /// \[m\].
     pub fn past(&self, i: u32, j: u32) -> f64 {
         self.rigids[i as usize].past(&self.rigids[j as usize])
     }
 
-    /// Where a rigid body was after this part of its way.
+    /// Returns the pose of a rigid body after this part of its way.
     pub fn place(&self, i: u32, s: f64) -> RigidPlace {
         let (from, to) = (&self.ends.0[i as usize], &self.ends.1[i as usize].pose_WB);
         let turn = (to.rotation * from.rotation.inverse()).scaled_axis();

@@ -1,5 +1,6 @@
-//! What has come in by up to a quarter of an edge is led out through the triangle it came through:
-//! corners, tips and ridges pressed into a face of long edges, as deep as a fifth of them.
+//! Ways out of corners, tips and ridges pressed into a face of long edges, as deep as a fifth of
+//! them: what has come in by up to a quarter of an edge leaves through the triangle it came
+//! through.
 
 use super::tests::{Scene, boxed, cube, moved};
 use super::{Contact, Site};
@@ -15,7 +16,7 @@ const DEPTHS: [f64; 4] = [0.02, 0.08, 0.14, 0.2];
 /// Between vertices and edges of the face.
 const BESIDE: Vec3 = Vec3::new(0.004, 0.0, 0.007);
 
-/// What turns the corner of a cube down.
+/// Returns the rotation that turns the corner of a cube down.
 fn corner_down() -> Quat {
     Quat::rotation_between(&Vec3::repeat(1.0), &-Vec3::y()).expect("not opposite")
 }

@@ -58,7 +58,7 @@ struct Scratch {
     area: AreaScratch,
 }
 
-/// Where a surface is during the step, and how it moves.
+/// Box around a surface during the step, and the surface's motion.
 #[derive(Clone, Copy, Debug)]
 struct SurfaceBounds {
     swept: Aabb,
@@ -174,8 +174,8 @@ impl Detector {
         collector.finish()
     }
 
-    /// How far a rigid body's shape reaches from its centre of mass \[m\]; zero without one, and
-    /// for a half-space.
+    /// Returns the distance that a rigid body's shape reaches from its centre of mass \[m\]; zero
+    /// without a shape, and for a half-space.
     pub(crate) fn radius(&self, rigid: usize) -> f64 {
         self.bodies[rigid].as_ref().map_or(0.0, |body| body.radius)
     }

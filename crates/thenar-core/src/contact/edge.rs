@@ -8,9 +8,10 @@ use crate::math::Vec3;
 /// stopped is whipped to at most twice its speed (`2 v` less what the centre of mass loses).
 pub(super) const FOLLOWED: f64 = 2.0;
 
-/// Where edges meet on their ways, normals may lean so far (sine, 45°) out of the cone of either: a
-/// body that is stopped at one edge turns the others level within the step, as a tilted plate that
-/// falls on another does. Edges that leave each other have normals that point the other way.
+/// Lean (sine, 45°) of a normal out of the cone of either edge that is allowed where edges meet on
+/// their ways: a body that is stopped at one edge turns the others level within the step, as a
+/// tilted plate that falls on another does. Edges that leave each other have normals that point the
+/// other way.
 const TURNING: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A sharp edge: its ends, and the outward normals of the faces beside it (twice the same at a
@@ -21,8 +22,8 @@ pub(super) struct Edge {
     pub normals: [Vec3; 2],
 }
 
-/// Where edges A and B cross: after which part of the step, the points of both that are nearest to
-/// each other then, as they are now, and the normal from B to A then.
+/// Crossing of edges A and B: the part of the step after which they cross, the points of both that
+/// are nearest to each other then, as they are now, and the normal from B to A then.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossed {
     pub when: f64,

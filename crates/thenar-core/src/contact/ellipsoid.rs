@@ -28,7 +28,7 @@ pub(crate) fn distance(p: &Vec3, half: &Vec3) -> Distance {
     Distance { value: gradient.dot(&(p - x)), gradient }
 }
 
-/// Where `F(w) = Σ ((1 + a_i) z_i/(w + a_i))²` is 1, for `w > 0`; F falls and is convex.
+/// Solves `F(w) = Σ ((1 + a_i) z_i/(w + a_i))² = 1` for `w > 0`; F falls and is convex.
 fn root(z: &Vec3, a: &Vec3) -> f64 {
     let b = z.component_mul(&a.add_scalar(1.0));
     let value = |w: f64| (0..3).map(|k| (b[k] / (w + a[k])).powi(2)).sum::<f64>();

@@ -102,8 +102,8 @@ fn bodies() -> [Shape; 9] {
     ]
 }
 
-/// How deep two shapes overlap at least \[m\]: the deepest of many places, in both; negative where
-/// none is in both.
+/// Returns a lower bound of the depth at which two shapes overlap \[m\]: the deepest of many places
+/// in both; negative where none is in both.
 fn overlap(shapes: [&Shape; 2], poses: [Pose; 2], random: &mut Noise) -> f64 {
     let depth = |p: Vec3| {
         let of = |i: usize| -shapes[i].distance(&poses[i].inverse_point(&p)).value;

@@ -11,8 +11,8 @@ const RIM_POINTS: usize = 32;
 /// Most points around a rim.
 const RIM_POINTS_MAX: usize = 1 << 12;
 
-/// How many points a rim needs to have one at least every `spacing` \[m\], to bend off the chord
-/// between two by no more than [`TOUCHING`], and no fewer than by default.
+/// Returns the number of points that a rim needs to have one at least every `spacing` \[m\], to
+/// bend off the chord between two by no more than [`TOUCHING`], and no fewer than by default.
 pub(crate) fn rim_points(radius: f64, spacing: f64) -> usize {
     let half_turn = (1.0 - TOUCHING / radius).clamp(-1.0, 1.0).acos();
     let needed = (std::f64::consts::TAU * radius / spacing).max(std::f64::consts::PI / half_turn);

@@ -5,7 +5,7 @@ use crate::room::Room;
 
 /// Points held at once. When there are more, those that would be delivered last are let go.
 pub(super) const OFFERED_MAX: usize = 64;
-/// How many remain then.
+/// Number of points that remain then.
 const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
 pub(crate) const DELIVERED_MAX: usize = 12;
@@ -21,9 +21,9 @@ const EQUAL: f64 = 1e-4;
 
 /// Ways in which a body may tilt: with six, each corner of a rectangle comes first in one.
 const TILTS: usize = 6;
-/// How far it tilts \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side, the
-/// usual margin like the size of what a hand holds. Of points that are level it chooses the same at
-/// any angle.
+/// Tilt of the body \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side, the
+/// usual margin like the size of what a hand holds. Among level points any angle makes the same
+/// choice.
 const TILT: f64 = 0.05;
 
 /// One point.

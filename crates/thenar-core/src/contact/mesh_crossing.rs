@@ -27,7 +27,7 @@ pub(super) fn of_cuboid(pair: &Pair, half: &Vec3, mesh: &MeshShape, manifold: &m
     });
 }
 
-/// Where an edge of A and one of B cross.
+/// Crossing of an edge of A and one of B.
 #[derive(Clone, Copy)]
 struct Crossing {
     feature: u32,

@@ -20,7 +20,7 @@ pub(crate) struct MeshEdge {
     pub normals: [Vec3; 2],
 }
 
-/// What queries of a mesh need.
+/// Index for queries of a mesh.
 #[derive(Clone, Default)]
 pub(crate) struct MeshIndex {
     pub tree: Bvh,

@@ -1,4 +1,4 @@
-//! Whether what a convex shape offers against a mesh lies along a normal of the mesh.
+//! Test of whether a point that a convex shape offers against a mesh lies along a mesh normal.
 
 use crate::contact::mesh_pair::Pair;
 use crate::contact::{Distance, Shape};
@@ -63,7 +63,8 @@ impl Pair<'_> {
         }
     }
 
-    /// Where A is straight beside the point from which `n_W` leads inwards.
+    /// Returns the directions in which A is straight beside the point from which `n_W` leads
+    /// inwards.
     fn straight(&self, n_W: &Vec3) -> Straight {
         let axis_W = self.a.rotation.column(1).into_owned();
         let along = -n_W.dot(&axis_W);

@@ -50,7 +50,7 @@ pub(super) const CROSSING: u32 = 4 << 28;
 /// Points of what lies deep in a mesh.
 pub(super) const DEEP: u32 = 5 << 28;
 const BEND: u32 = 6 << 28;
-/// Where a feature has its kind.
+/// Mask of the bits that hold a feature's kind.
 pub(super) const KIND: u32 = 7 << 28;
 /// Set in the feature of a point that came from side B.
 pub(super) const FROM_B: u32 = 1 << 31;
@@ -181,7 +181,7 @@ pub(super) struct Pair<'a> {
     pub b: Solid<'a>,
     pub movers: [&'a MovingPiece<'a>; 2],
     pub reach: Reach,
-    /// How far points can move against each other in the step \[m\].
+    /// Upper bound of the motion of points against each other in the step \[m\].
     pub travel: f64,
     /// A length of A below which places do not differ \[m\].
     pub same: f64,

@@ -1,4 +1,4 @@
-//! Which points touch: shapes, signed distances, broad and narrow phase.
+//! Contact detection: shapes, signed distances, broad and narrow phase.
 //!
 //! [`Detector::find`] turns the state at the start of a step into [`Contact`]s: a point on each
 //! side, a unit normal and a gap. It does not decide forces.

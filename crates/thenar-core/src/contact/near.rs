@@ -19,7 +19,7 @@ pub(crate) struct Near {
     pub travel: f64,
 }
 
-/// Where a triangle comes to touch a ball.
+/// First touch of a triangle and a ball.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
     /// Part of the step until then.
@@ -27,7 +27,7 @@ pub(crate) struct Arrival {
     pub weights: [f64; 3],
     /// Unit direction from the ball's centre to the triangle then.
     pub normal: Vec3,
-    /// How far the triangle's point has to go along the normal to touch, from where it is now
+    /// Distance that the triangle's point has to go along the normal to touch, from its place now
     /// \[m\].
     pub gap: f64,
 }
@@ -62,7 +62,7 @@ impl Near {
         part.shape.least_over(&x) <= margin + self.travel
     }
 
-    /// How far the point with these weights moves in this step \[m\].
+    /// Returns the displacement in this step of the point with these weights \[m\].
     pub fn motion(&self, weights: &[f64; 3]) -> Vec3 {
         Vec3::zeros() + self.u[0] * weights[0] + self.u[1] * weights[1] + self.u[2] * weights[2]
     }

@@ -4,10 +4,10 @@ use crate::contact::triangle::closest_on_triangle;
 use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 
-/// How much the middle of the triangle is preferred: a point at distance d from it counts as
-/// this times d²/(2 L) farther from the shape, with L the triangle's longest edge. It makes the
-/// point unique and steady where a triangle lies along the shape, and moves it elsewhere by less
-/// than this part of the edge for each unit of curvature times edge.
+/// Preference for the middle of the triangle: a point at distance d from it counts as this times
+/// d²/(2 L) farther from the shape, with L the triangle's longest edge. It makes the point unique
+/// and steady where a triangle lies along the shape, and moves it elsewhere by less than this part
+/// of the edge for each unit of curvature times edge.
 const TO_MIDDLE: f64 = 1e-3;
 /// Cuts through the centroid leave at most 1 - 1/e of the area each (Grünbaum, 1960).
 const CUTS_MAX: usize = 64;
@@ -63,8 +63,9 @@ impl Shape {
         value - 0.5 * gradient.dot(&(b - a)).abs()
     }
 
-    /// Where on the segment from `a` (0) to `b` (1) the signed distance of a convex shape is least;
-    /// with the same preference for the middle as in [`Shape::nearest_on_triangle`].
+    /// Returns the place on the segment from `a` (0) to `b` (1) at which the signed distance of a
+    /// convex shape is least; with the same preference for the middle as in
+    /// [`Shape::nearest_on_triangle`].
     pub(crate) fn nearest_on_segment(&self, a: &Vec3, b: &Vec3) -> f64 {
         let along = b - a;
         let length = along.norm();
@@ -93,8 +94,8 @@ pub(crate) fn point(tri: &[Vec3; 3], w: &[f64; 3]) -> Vec3 {
     tri[0] * w[0] + tri[1] * w[1] + tri[2] * w[2]
 }
 
-/// How much farther than the nearest place of a triangle, or of a segment, with an edge of this
-/// length the one may be that is found \[m\].
+/// Returns the excess distance that the place found may have over the nearest place of a triangle,
+/// or of a segment, with an edge of this length \[m\].
 pub(crate) fn place_unknown(length: f64) -> f64 {
     TOLERANCE * length
 }

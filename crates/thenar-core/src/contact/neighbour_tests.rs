@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 const EDGE: f64 = 5e-3;
 /// Between arms that are brought together \[m\].
 const GAP: f64 = 2e-4;
-/// Where the arms end \[edges\], from the bottom of the slit between them.
+/// Length of the arms \[edges\], from the bottom of the slit between them.
 const ARM: i32 = 12;
 
 /// The outside of a body of cubes, in edges.

@@ -11,7 +11,7 @@ use crate::noise::Noise;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// What contacts may be off by \[m\].
+/// Allowed error of contacts \[m\].
 const ALLOWED: f64 = 1e-5;
 
 /// A ball as a mesh of latitudes and longitudes.
@@ -122,8 +122,8 @@ fn descended(a: &At, b: &At, start: Vec3, rounds: usize) -> Vec3 {
     p
 }
 
-/// How far off, at the place where it is least, the farther of two shapes is: below zero where they
-/// overlap. By steps to and fro that shrink.
+/// Returns the distance of the farther of two shapes at the place where it is least; below zero
+/// where they overlap. Found by steps to and fro that shrink.
 fn least_common(a: &At, b: &At, random: &mut Noise) -> f64 {
     let worth = |p: &Vec3| a.distance(p).max(b.distance(p));
     let (_, p) = [0; 4]

@@ -1,4 +1,4 @@
-//! Which bodies may touch, and with what friction.
+//! Pairs of bodies that may touch, and their friction.
 
 use crate::model::{BodyId, PairRule, SoftDesc, WorldDesc};
 

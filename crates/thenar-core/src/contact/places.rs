@@ -35,15 +35,15 @@ const FLAT: f64 = 0.5;
 /// counts as touching.
 const BULGE: f64 = 0.05 * TOUCHING;
 
-/// How far from a place that follows, of a triangle whose longest edge is `edge`, it is held \[m\],
-/// in up to three directions; `None` where it is held alone. At one point friction does not resist
-/// a spin about the normal: a ball that two triangles pinch swings to and fro about the line
-/// between them. At three it resists with `μ F` times this distance, and a roll with at most F
-/// times it, 1 % of the radius of a ball of 40 mm. Where several triangles bear the part, they hold
-/// it so. One bears it alone where what touches, a disc of radius √(2 R [`TOUCHING`]), lies within
-/// the circle inscribed in it. In a circle 2.5 times as large, of radius edge/√12 in an equilateral
-/// triangle, it does at a third of all places. What has edges is held at several places along its
-/// side, and points past an edge would meet its end.
+/// Returns the distance from a following place at which its triangle, of longest edge `edge`, is
+/// held \[m\], in up to three directions; `None` where the place alone holds it. At one
+/// point friction does not resist a spin about the normal: a ball that two triangles pinch swings
+/// to and fro about the line between them. At three it resists with `μ F` times this distance, and
+/// a roll with at most F times it, 1 % of the radius of a ball of 40 mm. Where several triangles
+/// bear the part, they hold it so. One bears it alone where the touching area, a disc of radius √(2
+/// R [`TOUCHING`]), lies within the circle inscribed in it. In a circle 2.5 times as large, of
+/// radius edge/√12 in an equilateral triangle, it does at a third of all places. What has edges is
+/// held at several places along its side, and points past an edge would meet its end.
 pub(crate) fn spread(edge: f64, shape: &Shape) -> Option<f64> {
     let radius = shape.least_radius();
     let is_alone = !has_edges(shape) && edge * edge > 150.0 * radius * TOUCHING;
@@ -95,9 +95,9 @@ pub type PlaceKey = [u32; 4];
 pub struct HeldPlace {
     /// Surface, triangle, rigid body, and the number of the place.
     pub key: PlaceKey,
-    /// Where it is, in weights of the triangle's corners.
+    /// Position, in weights of the triangle's corners.
     pub weights: [f64; 3],
-    /// How far it went, in the same.
+    /// Displacement, in the same weights.
     pub way: [f64; 3],
     /// The part of its way to the nearest place that it goes.
     pub part: f64,
@@ -198,7 +198,7 @@ mod tests {
         (0..3).map(|k| X[k] * w[k]).sum()
     }
 
-    /// How much farther a place is from a ball that touches at `nearest` from below.
+    /// Returns the excess distance of a place from a ball that touches at `nearest` from below.
     fn of_ball<'a>(radius: f64, nearest: &'a [f64; 3]) -> impl Fn(&[f64; 3]) -> f64 + 'a {
         move |w| (at(w) - at(nearest)).norm().hypot(radius) - radius
     }

@@ -24,7 +24,7 @@ const AREALESS: f64 = 1e-12;
 /// edge.
 const LEVEL: f64 = 0.01;
 
-/// How the two faces of an edge lie.
+/// Directions of the two faces of an edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ridge {
     /// Unit vectors in the faces, square to the edge, away from it.
@@ -33,7 +33,7 @@ pub(crate) struct Ridge {
     pub outward: Vec3,
 }
 
-/// Where two edges pass each other.
+/// Contact of two edges that pass each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     /// Place along A and along B, in [0, 1].
@@ -64,8 +64,9 @@ impl Ridge {
         Some(Self { outward, falls: [own, -outward] })
     }
 
-    /// How the faces lie to a plane with this outward normal: the sine at which the steeper-falling
-    /// one falls away below it, and that at which the steeper-rising one rises above.
+    /// Returns the slopes of the faces against a plane with this outward normal: the sine at which
+    /// the steeper-falling one falls away below it, and that at which the steeper-rising one rises
+    /// above.
     fn fall_and_rise(&self, outward: &Vec3) -> [f64; 2] {
         let [one, other] = self.falls.map(|fall| fall.dot(outward));
         [-one.min(other), one.max(other)]
@@ -80,7 +81,7 @@ fn fall([i, j]: [u32; 2], to: u32, x: &[Vec3]) -> Option<Vec3> {
     (out - along * out.dot(&along)).try_normalize(AREALESS)
 }
 
-/// Where two lines come nearest, within both edges.
+/// Nearest points of two lines, within both edges.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passing {
     at: [f64; 2],
@@ -175,7 +176,7 @@ mod tests {
         assert!(!meet(0.2, -0.011) && !meet(0.2, -0.8), "a ridge does not reach into a valley");
     }
 
-    /// Where flat boxes cross, the rims bear that are level on the inner side; plains that are only
+    /// Rims that are level on the inner side bear where flat boxes cross; plains that are only
     /// tilted against the way past each other do not.
     #[test]
     fn rims_of_flat_faces_hold_each_other() {

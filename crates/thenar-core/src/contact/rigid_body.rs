@@ -13,7 +13,7 @@ pub(crate) struct RigidBody {
     pub pose_BS: Pose,
     pub dynamic: bool,
     pub friction: f64,
-    /// What soft surfaces meet of it between their vertices.
+    /// Features that soft surfaces meet between their vertices.
     pub sharp: Sharp,
     /// Box around the shape, in S; unbounded for a half-space.
     pub bounds_S: Aabb,
@@ -140,7 +140,7 @@ pub(crate) struct Placed {
     pub center_of_mass: Vec3,
     pub velocity: Vec3,
     pub angular_velocity: Vec3,
-    /// How far rotation can carry a point of the shape in this step \[m\].
+    /// Upper bound of the distance that rotation carries a point of the shape in this step \[m\].
     pub turn: f64,
     /// Box around the shape during the step.
     pub swept_W: Aabb,

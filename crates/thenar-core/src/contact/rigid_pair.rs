@@ -18,7 +18,7 @@ pub(crate) struct RigidSide<'a> {
     pub placed: &'a Placed,
 }
 
-/// How far to look.
+/// Extent of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     /// Length of the step \[s\].

@@ -1,4 +1,4 @@
-//! How far two convex shapes are apart, or how deep they overlap, and along which direction.
+//! Distance or overlap depth of two convex shapes, and its direction.
 //!
 //! The nearest points of the two cores are found by Gilbert, Johnson and Keerthi's method (1988).
 //! Cores that are apart have a direction that does not depend on round-off, even where the shapes
@@ -21,10 +21,10 @@ const TOLERANCE: f64 = 1e-14;
 /// them has lost three of sixteen. Tests of rigid pairs hold with 1e-5, too; with 0.05 gaps are
 /// wrong.
 pub(crate) const TOUCHING: f64 = 1e-3;
-/// How far cores are moved inward, as parts of the inradius: little, so that the direction is that
-/// of the shapes; more, when shapes overlap by as much. Each holds for overlaps up to twice as deep
-/// (of shapes of one size), and even the last leaves a core; what lies deeper is let out the
-/// shortest way for its middle.
+/// Distances that cores are moved inward, as parts of the inradius: little, so that the direction
+/// is that of the shapes; more, when shapes overlap by as much. Each holds for overlaps up to twice
+/// as deep (of shapes of one size), and even the last leaves a core; what lies deeper is let out
+/// the shortest way for its middle.
 const INWARD: [f64; 4] = [0.02, 0.1, 0.4, 0.9];
 /// A face's direction counts only if the gap along it is larger by this part of the size: ten times
 /// what a direction is good for, so that round-off does not choose.
@@ -84,9 +84,9 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
     past_faces(a, b, along(a, b, near), size)
 }
 
-/// What was found, or the separation along the normal of a box's face if that is larger: along any
-/// direction it is a lower bound. The way out for the middle of a wide plate is no way out for
-/// what has sunk in far from there.
+/// Returns `found`, or the separation along the normal of a box's face if that is larger: along any
+/// direction it is a lower bound. The way out for the middle of a wide plate is no way out for what
+/// has sunk in far from there.
 fn past_faces(a: &Solid, b: &Solid, found: Separation, size: f64) -> Separation {
     let mut best = found;
     for (of, sign) in [(a, -1.0), (b, 1.0)] {

@@ -57,7 +57,7 @@ pub enum Shape {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PlacedShape {
-    /// What it is.
+    /// Shape of this part.
     pub shape: Shape,
     /// Placement of its frame in the compound's frame S.
     pub pose_SP: Pose,
@@ -100,7 +100,7 @@ pub struct MeshShape {
     pub triangles: Vec<[u32; 3]>,
     /// Signed distance around the mesh; says what is inside of open meshes and speeds queries up.
     pub grid: DistanceGrid,
-    /// What queries need, made from the above.
+    /// Index for queries, made from the above.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) index: MeshIndex,
 }

@@ -15,7 +15,7 @@ use crate::math::{Pose, Vec3};
 /// Most points within an edge: on a longer one they stand farther apart.
 const WITHIN_EDGE_MAX: usize = 512;
 
-/// What of a shape is sharp, and its round parts, in the shape frame.
+/// Sharp and round features of a shape, in the shape frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Sharp {
     /// First those at corners and on rims, then those within straight edges.
@@ -25,7 +25,7 @@ pub(crate) struct Sharp {
     pub(super) blocks: Blocks,
     /// Straight edges that have points within them.
     pub edges: Edges,
-    /// What is smooth and curved, each in its own frame P.
+    /// Smooth curved parts, each in its own frame P.
     pub rounds: Vec<PlacedShape>,
     /// Balls inside.
     pub inner: Vec<InnerBall>,

@@ -1,4 +1,4 @@
-//! Which side of a body each soft vertex was on, and where places of skin were held.
+//! Side of a body on which each soft vertex was, and places where skin was held.
 
 use crate::contact::approach::Seen;
 use crate::contact::places::{HeldPlace, PlaceKey, Places};
@@ -17,7 +17,7 @@ pub struct SeenSide {
     /// The outward normal then: in the frame of a rigid body's shape, in the world for a
     /// deformable one.
     pub normal: Vec3,
-    /// Where the vertex was, in the same frame \[m\].
+    /// Position of the vertex, in the same frame \[m\].
     pub place: Vec3,
 }
 
@@ -83,7 +83,7 @@ impl SeenSides {
         self.most = self.most.max(other.most);
     }
 
-    /// What some vertices saw of `other`, in their order.
+    /// Returns what some vertices saw of `other`, in their order.
     pub(crate) fn of(&self, vertices: Range<usize>, other: u32) -> impl Iterator<Item = &SeenSide> {
         let start = self.seen.partition_point(|side| (side.vertex as usize) < vertices.start);
         // A state that was read back may not be in order.
@@ -93,7 +93,7 @@ impl SeenSides {
         self.seen[start..].iter().filter(wanted)
     }
 
-    /// What `vertex` saw of `other`.
+    /// Returns what `vertex` saw of `other`.
     fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
         let at = self.seen.binary_search_by_key(&(vertex as u32, other), SeenSide::key).ok()?;
         let SeenSide { normal, place, .. } = self.seen[at];
@@ -115,7 +115,7 @@ pub(crate) struct Sight<'a> {
 }
 
 impl Sight<'_> {
-    /// What `vertex` saw of `other` in the step before.
+    /// Returns what `vertex` saw of `other` in the step before.
     pub fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
         self.before.recall(vertex, other)
     }
@@ -127,8 +127,8 @@ impl Sight<'_> {
         }
     }
 
-    /// Where a place of a triangle is held whose `nearest` is this. What only looks takes the
-    /// nearest.
+    /// Returns the place at which a triangle is held whose nearest place is `nearest`. A search
+    /// that only looks takes the nearest.
     pub fn hold(
         &mut self,
         key: PlaceKey,

@@ -31,9 +31,9 @@ use std::ops::Range;
 
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What touched before does not leave as one by a way this much longer than its deepest vertex is
-/// inside: that would be a needle, in farther than three times its width; it is a seam, along which
-/// edges go through each other.
+/// Length of a way out, in depths of the deepest vertex, beyond which what touched before does not
+/// leave as one: that would be a needle, in farther than three times its width; it is a seam, along
+/// which edges go through each other.
 const SLENDER: f64 = 6.0;
 
 /// A vertex has come through its nearest face if the way back goes against its normal within 60°
@@ -66,7 +66,7 @@ pub(super) struct Place {
     pub through: u32,
     /// Between outer ends: no vertex leads the edge out.
     alone: bool,
-    /// Where it is; on an edge as far inside as counts.
+    /// Position of the place; on an edge as far inside as counts.
     pub p: Vec3,
     /// Against the outward normal here, by area: the way that makes the common volume smaller.
     pub inward: Vec3,
@@ -453,7 +453,7 @@ pub(super) fn nearest_on(
     best
 }
 
-/// How far `p` lies inside \[m\].
+/// Returns the depth of `p` inside \[m\].
 fn depth(surface: &Surface, p: &Vec3, t: u32, closest: &Closest, x: &[Vec3]) -> f64 {
     let outward = surface.pseudonormal(t, closest.feature, x);
     let distance = closest.distance_squared.sqrt();

@@ -1,5 +1,5 @@
-//! What of a rigid shape comes between the vertices of a deformable surface: its sharp points, its
-//! straight edges (`soft_edge`), and, where it is round, its centre line.
+//! Features of a rigid shape that come between the vertices of a deformable surface: its sharp
+//! points, its straight edges (`soft_edge`), and, where it is round, its centre line.
 //!
 //! Every contact made here stands for a point of one surface and its true distance to the other, so
 //! none holds what does not meet. A sharp point touches the triangle that is nearest to it; one
@@ -40,7 +40,7 @@ pub(crate) struct FeatureScratch {
     touches: Vec<Touch>,
 }
 
-/// What comes near to a sharp point.
+/// Triangles that come near to a sharp point.
 #[derive(Clone, Copy, Debug)]
 struct Meet {
     /// Squared distance \[m²\] and triangle.
@@ -84,8 +84,8 @@ pub(crate) struct Touch {
     pub gap: f64,
 }
 
-/// How deep a feature may lie and still be taken as having come through the triangle \[m\]: what is
-/// deeper is led out by the vertices.
+/// Returns the largest depth at which a feature counts as having come through the triangle \[m\]:
+/// the vertices lead out what is deeper.
 pub(crate) fn depth_max(pair: &SoftRigid) -> f64 {
     pair.margin + pair.surface.depth_max()
 }

@@ -63,8 +63,8 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Where triangle `t` of the other side comes to vertex `v` of side `i` no later than after the
-    /// part `latest` of the step.
+    /// Returns the arrival of triangle `t` of the other side at vertex `v` of side `i`, if no later
+    /// than after the part `latest` of the step.
     fn arrival(&self, i: usize, v: u32, t: u32, now: Closest, latest: f64) -> Option<Arrival> {
         let [own, other] = self.facing(i);
         let p = &own.state.positions[v as usize];

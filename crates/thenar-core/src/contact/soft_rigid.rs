@@ -52,8 +52,8 @@ pub(crate) struct VertexScratch {
     guesses: Vec<Guess>,
 }
 
-/// Where a vertex was near a mesh when it was last looked at: spares much of the next search, and
-/// does not change what is found.
+/// Place of a vertex near a mesh at the last search: spares much of the next search, and does not
+/// change its result.
 #[derive(Clone, Debug)]
 struct Guess {
     /// The triangle that it was nearest to.

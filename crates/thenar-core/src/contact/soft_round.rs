@@ -40,11 +40,11 @@ const HALFWAY: f64 = 0.5;
 /// Slopes that differ by less are one.
 const SLOPE_ROUND_OFF: f64 = 1e-9;
 
-/// Where contacts of round parts go.
+/// Output for contacts of round parts.
 pub(crate) struct Touches<'a> {
     pub kept: &'a mut Vec<Touch>,
     pub most: usize,
-    /// How many found no room.
+    /// Number that found no room.
     pub dropped: &'a mut usize,
 }
 
@@ -231,7 +231,7 @@ fn offer(
     }
 }
 
-/// Where the triangle first comes within the margin of a line of balls.
+/// Offers the contact at which the triangle first comes within the margin of a line of balls.
 fn arrive_at_line(
     pair: &SoftRigid,
     near: &Near,
@@ -262,7 +262,8 @@ fn arrive_at_line(
     }
 }
 
-/// Where the place of the triangle that is nearest now comes within the margin of a curved part.
+/// Offers the contact at which the triangle's place that is nearest now comes within the margin of
+/// a curved part.
 fn arrive(
     pair: &SoftRigid,
     near: &Near,

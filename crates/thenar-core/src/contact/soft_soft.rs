@@ -82,7 +82,7 @@ pub(crate) struct SoftSoft<'a> {
     pub friction: f64,
 }
 
-/// What is found of the vertices of one side, and of edges.
+/// Findings on the vertices of each side, and on edges.
 #[derive(Clone, Debug)]
 pub(crate) struct PairScratch {
     pub(super) vertices: [VertexScratch; 2],
@@ -163,12 +163,12 @@ impl SoftSoft<'_> {
         self.lead_out(deep, vertices, sight, out);
     }
 
-    /// How far the surfaces move past each other on the whole \[m\].
+    /// Returns the distance that the surfaces move past each other on the whole \[m\].
     fn flown(&self) -> f64 {
         self.h * (self.a.drift - self.b.drift).norm()
     }
 
-    /// How deep below a surface a point may lie and still be led out.
+    /// Returns the depth below a surface down to which a point is led out.
     pub(super) fn depth(&self, side: &SoftSide) -> f64 {
         side.surface.depth_max()
     }

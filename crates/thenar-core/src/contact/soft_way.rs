@@ -31,7 +31,7 @@ const PARALLEL: f64 = 1.0 - 1e-9;
 /// Round-off of a sum of area vectors, in parts of their lengths.
 const ROUNDING: f64 = 1e-12;
 
-/// How a region leaves.
+/// Way by which a region leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     /// Unit direction for side A; B goes against it.
@@ -51,7 +51,7 @@ fn sign(side: usize) -> f64 {
     if side == 0 { 1.0 } else { -1.0 }
 }
 
-/// Where a place comes out.
+/// Point at which a place comes out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exit {
     /// Length of its way \[m\].
@@ -137,7 +137,7 @@ impl SoftSoft<'_> {
         Some(deepest)
     }
 
-    /// Where a place leaves the other surface if A goes along a direction.
+    /// Returns the point at which a place leaves the other surface if A goes along a direction.
     pub(super) fn exit(&self, place: &Place, along: &Vec3) -> Option<Exit> {
         let [_, other] = self.facing(place.side);
         let along = along * sign(place.side);

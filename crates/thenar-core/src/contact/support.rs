@@ -27,7 +27,7 @@ pub(crate) struct Face {
     count: usize,
     /// Outward normal of a flat face.
     pub normal: Option<Vec3>,
-    /// Where the end `.0` of a round-ended line is farthest: on its ball, beside the line.
+    /// Farthest point of the end `.0` of a round-ended line: on its ball, beside the line.
     pub tip: Option<(usize, Vec3)>,
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn inradius(shape: &Shape) -> f64 {
     }
 }
 
-/// How far a shape is a rounded core exactly \[m\].
+/// Returns the radius by which a shape is exactly a rounded core \[m\].
 pub(crate) fn rounding(shape: &Shape) -> f64 {
     match shape {
         Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,

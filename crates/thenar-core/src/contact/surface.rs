@@ -47,7 +47,7 @@ impl Facet {
         }
     }
 
-    /// How far its points move at most past one that moves by `motion` \[m\].
+    /// Returns an upper bound of the motion of its points past one that moves by `motion` \[m\].
     pub fn travel_past(&self, motion: &Vec3) -> f64 {
         (self.motion - motion).norm() + self.spread
     }
@@ -74,7 +74,7 @@ impl Facet {
         are_beyond(heights, reach * ROUNDED_UP * self.extent)
     }
 
-    /// How far its points move at most past any point of another triangle \[m\].
+    /// Returns an upper bound of the motion of its points past any point of another triangle \[m\].
     pub fn travel_past_all(&self, other: &Self) -> f64 {
         self.travel_past(&other.motion) + other.spread
     }
@@ -108,7 +108,7 @@ pub(crate) struct Surface {
     pub edge_around: Vec<f64>,
     pub friction: f64,
     smooth: SmoothNormals,
-    /// Where its vertices begin in lists over all surfaces.
+    /// Index of its first vertex in lists over all surfaces.
     pub first_vertex: usize,
 }
 
@@ -151,8 +151,8 @@ impl Surface {
         }
     }
 
-    /// How deep a point may lie below the surface and still be led out through its nearest triangle
-    /// \[m\]: what is deeper is as near to others.
+    /// Returns the largest depth below the surface at which a point is led out through its nearest
+    /// triangle \[m\]: what is deeper is as near to others.
     pub fn depth_max(&self) -> f64 {
         DEPTH * self.edge_mean
     }

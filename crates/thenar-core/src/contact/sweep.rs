@@ -1,4 +1,4 @@
-//! When two convex shapes meet in a step: conservative advancement (Mirtich, 1996).
+//! Time at which two convex shapes meet in a step: conservative advancement (Mirtich, 1996).
 //!
 //! Along the normal between the nearest points two convex bodies cannot close faster than their
 //! centres of mass do, plus what turning adds at their farthest points. So time can be advanced by
@@ -53,7 +53,8 @@ impl<'a> MovingPiece<'a> {
         !dynamic(other) || (dynamic(self) && speed(self) >= speed(other))
     }
 
-    /// How far a point of the body can be carried by turning in a step, as far as `other` reaches.
+    /// Returns an upper bound of the distance that turning carries a point of the body in a step,
+    /// as far as `other` reaches.
     fn turn(&self, other: &MovingPiece, h: f64) -> f64 {
         let placed = self.side.placed;
         if !matches!(self.piece.shape, Shape::HalfSpace) {
@@ -64,15 +65,16 @@ impl<'a> MovingPiece<'a> {
         h * placed.angular_velocity.norm() * reach
     }
 
-    /// How far points of the two can move against each other in a step of length `h` \[m\].
+    /// Returns an upper bound of the motion of points of the two against each other in a step of
+    /// length `h` \[m\].
     pub fn travel(&self, other: &MovingPiece, h: f64) -> f64 {
         let between = (self.side.placed.velocity - other.side.placed.velocity) * h;
         between.norm() + self.turn(other, h) + other.turn(self, h)
     }
 
-    /// Where what touches at `p_W` after the part `s` of a step is after the part `t`: a point of a
-    /// body that is led turns with it; one that moves by forces touches with ever other points as
-    /// it turns, and takes its place along.
+    /// Returns the place after the part `t` of a step of what touches at `p_W` after the part `s`:
+    /// a point of a body that is led turns with it; a body that moves by forces touches with ever
+    /// other points as it turns, and carries the place along.
     pub fn carried(&self, p_W: &Vec3, s: f64, t: f64, h: f64) -> Vec3 {
         let placed = self.side.placed;
         let center = |part: f64| placed.center_of_mass + part * h * placed.velocity;

@@ -183,7 +183,7 @@ struct Trace<'a> {
     a: &'a MovingPiece<'a>,
     b: &'a MovingPiece<'a>,
     reach: Reach,
-    /// How far points can move against each other in the step \[m\].
+    /// Upper bound of the motion of points against each other in the step \[m\].
     travel: f64,
 }
 

@@ -137,8 +137,8 @@ pub(crate) fn area_vector(x: &[Vec3; 3]) -> Vec3 {
     0.5 * (x[1] - x[0]).cross(&(x[2] - x[0]))
 }
 
-/// How far from `p` along `d`, in lengths of `d`, a ray cuts triangle `x`, and the weights there. A
-/// ray along an edge, but for rounding, cuts both triangles beside it.
+/// Returns the distance from `p` along `d`, in lengths of `d`, at which a ray cuts triangle `x`,
+/// and the weights there. A ray along an edge, but for rounding, cuts both triangles beside it.
 pub(crate) fn cut_by_ray(p: &Vec3, d: &Vec3, x: &[Vec3; 3]) -> Option<(f64, [f64; 3])> {
     let area = area_vector(x);
     let at = area.dot(&(x[0] - p)) / area.dot(d);

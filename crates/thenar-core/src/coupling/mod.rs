@@ -1,4 +1,4 @@
-//! What holds flesh to bone (Sec. 3.3): skinning targets and the springs to them.
+//! Coupling of flesh to bone (Sec. 3.3): skinning targets and the springs to them.
 
 mod offsets;
 mod pivot;

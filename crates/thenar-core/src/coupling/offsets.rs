@@ -40,7 +40,7 @@ struct Driver {
     rest: Quat,
     /// Exponent n of the kernel.
     exponent: i32,
-    /// How many of the samples are its own; they follow those of the drivers before.
+    /// Number of samples of its own; they follow those of the drivers before.
     samples: usize,
 }
 
@@ -49,13 +49,13 @@ struct Driver {
 pub struct PairAtRest {
     /// Rigid bodies.
     pub bodies: [u32; 2],
-    /// How they are turned in the world.
+    /// Rotations of the bodies in the world.
     pub rotations_WB: [Quat; 2],
-    /// How the model frame of the flesh is turned in the world.
+    /// Rotation of the flesh's model frame in the world.
     pub model_WM: Quat,
 }
 
-/// Where the offsets of a node are found.
+/// Place of a node's offsets in the lists.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeOffset {
     sample: u32,
@@ -160,8 +160,8 @@ impl Posed<'_> {
         self.samples(at).fold(Vec3::zeros(), |sum, (share, c)| sum + c[j] * share.amount)
     }
 
-    /// How the offset changes when bone 0 turns against bone 1: `± Σ c_s γ_sᵀ`, from the world to
-    /// the frame of its bone `j`.
+    /// Returns the derivative of the offset as bone 0 turns against bone 1: `± Σ c_s γ_sᵀ`, from
+    /// the world to the frame of its bone `j`.
     #[inline]
     pub fn slope(&self, at: &NodeOffset, j: usize) -> Mat3 {
         let outer = |sum, (share, c): (&Share, &[Vec3; 2])| sum + c[j] * share.slope_W.transpose();
@@ -257,7 +257,7 @@ mod tests {
             self.bound.weights = [1.0, 0.0];
         }
 
-        /// How the first bone has turned from rest, world.
+        /// Returns the first bone's rotation from rest, world.
         fn carried(&self, poses: &[Pose]) -> Quat {
             poses[0].rotation * self.rest[0].rotation.inverse()
         }

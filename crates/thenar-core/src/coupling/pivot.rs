@@ -10,7 +10,7 @@ use crate::coupling::SkinTarget;
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::solver::{Apart, Turning};
 
-/// What a node turns about, and from where.
+/// Joint about which a node turns, and the node's arm from it.
 #[derive(Clone, Copy, Debug)]
 pub struct Pivot {
     /// The joint in the frame of each bone \[m\].
@@ -22,7 +22,7 @@ pub struct Pivot {
 }
 
 impl Pivot {
-    /// What a node at rest in `x_W` turns about where bones that lie at `poses_WB` are joined at
+    /// Makes the pivot of a node at rest in `x_W`, where bones that lie at `poses_WB` are joined at
     /// `anchors_B`.
     pub fn new(poses_WB: [&Pose; 2], anchors_B: [Vec3; 2], weights: [f64; 2], x_W: &Vec3) -> Self {
         let joint_W = centre(poses_WB, anchors_B, weights).0;

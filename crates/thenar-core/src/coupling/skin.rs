@@ -15,9 +15,9 @@ pub struct BoundNode {
     pub weights: [f64; 2],
     /// Rest position in each bone's frame \[m\], the paper's x_ij.
     pub offsets: [Vec3; 2],
-    /// What the node turns about where the rotations of its two bones are blended.
+    /// Pivot of the node where the rotations of its two bones are blended.
     pub pivot: Option<Pivot>,
-    /// Where offsets by the pose of its bones' joint are found, if it has some.
+    /// Offsets by the pose of its bones' joint, if it has some.
     pub posed: Option<NodeOffset>,
 }
 
@@ -26,7 +26,7 @@ pub struct BoundNode {
 pub struct SkinTarget {
     /// f_i, world \[m\].
     pub position_W: Vec3,
-    /// How it moves when bones turn: by linear blending with levers `w_ij R_j x_ij`.
+    /// Motion of the target as bones turn: by linear blending with levers `w_ij R_j x_ij`.
     pub turning: Turning,
 }
 

@@ -25,7 +25,7 @@ pub struct CouplingModel {
     pub joints: Vec<Option<(u32, bool)>>,
     /// Offsets of targets by the pose of joints.
     pub offsets: OffsetModel,
-    /// Where the blocks of each lie in the system matrix.
+    /// Places of the blocks of each in the system matrix.
     pub entries: Vec<CouplingEntries>,
 }
 
@@ -71,7 +71,7 @@ impl BoneSystem {
     }
 }
 
-/// What step 1 needs to know of the flesh: how much of a node's spring the bone feels there.
+/// Mass of the flesh for step 1: decides how much of a node's spring the bone feels there.
 #[derive(Clone, Copy, Debug)]
 pub struct EffectiveMass<'a> {
     /// The assumption.
@@ -187,7 +187,7 @@ impl CouplingModel {
 }
 
 impl BoundNode {
-    /// How many bones carry the node: 1 or 2.
+    /// Returns the number of bones that carry the node: 1 or 2.
     pub fn carriers(&self) -> usize {
         if self.weights[1] == 0.0 { 1 } else { 2 }
     }

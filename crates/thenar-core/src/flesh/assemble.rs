@@ -20,7 +20,7 @@ pub struct FleshModel {
     pub rest: Vec<RestTet>,
     /// Stiffness-proportional damping of each element \[s\].
     pub stiffness_damping: Vec<f64>,
-    /// Where each element's 4×4 blocks lie in the system matrix.
+    /// Places of each element's 4×4 blocks in the system matrix.
     pub entries: Vec<[[u32; 4]; 4]>,
     /// Lumped mass of each node \[kg\].
     pub mass: Vec<f64>,

@@ -18,7 +18,8 @@ struct Evaluated<S: Simd> {
     det: f64x8<S>,
 }
 
-/// As `element::corotational`, with `P = 2μ (F - R) + λ tr(S - I) R`, which needs no S.
+/// Evaluates as `element::corotational` does, with `P = 2μ (F - R) + λ tr(S - I) R`, which needs no
+/// S.
 #[inline(always)]
 fn evaluate<S: Simd>(simd: S, rest: &RestLanes, x: &[Vec3]) -> Evaluated<S> {
     let F = rest.deformation_gradients(simd, x);
@@ -57,7 +58,7 @@ pub fn inner<S: Simd>(a: &Mat3x8<S>, b: &Mat3x8<S>) -> f64x8<S> {
     dot(&a[0..3], &b[0..3]) + dot(&a[3..6], &b[3..6]) + dot(&a[6..9], &b[6..9])
 }
 
-/// What the first node has, for the sum over all four to vanish.
+/// Returns the first node's value, by which the sum over all four vanishes.
 #[inline(always)]
 pub fn minus_sum<S: Simd>(of: &[Vec3x8<S>; 3]) -> Vec3x8<S> {
     three(

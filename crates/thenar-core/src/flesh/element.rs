@@ -6,7 +6,7 @@ use crate::flesh::principal::{Density, density};
 use crate::math::{Mat3, Vec3};
 use crate::model::{Law, Material};
 
-/// What an element needs to know of its rest shape and material.
+/// Rest shape and material of an element.
 #[derive(Clone, Copy, Debug)]
 pub struct RestTet {
     /// Rest volume \[m³\].

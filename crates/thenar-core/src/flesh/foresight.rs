@@ -1,4 +1,4 @@
-//! Whether one linearised step was enough for flesh whose stress is not linear.
+//! Test of whether one linearised step was enough for flesh whose stress is not linear.
 //!
 //! A step goes to the least of the incremental energy `Φ = |x - x̃|²_M / (2Δt²) + ψ`, with ψ by its
 //! second-order expansion about the start. There the expansion of Φ has fallen by
@@ -55,8 +55,8 @@ impl FleshModel {
 }
 
 impl FleshModel {
-    /// What corotational elements among these gained, from positions `x₀` to `x₁` in a step of
-    /// length `h` \[s\], over what the step foresaw and took out \[J\]:
+    /// Returns the energy that corotational elements among these gained, from positions `x₀` to
+    /// `x₁` in a step of length `h` \[s\], over what the step foresaw and took out \[J\]:
     /// `ψ(x₁) - ψ(x₀) - ∇ψ·d - dᵀ K d`, with `faded` what they remembered at its beginning. The
     /// step's work is that of velocities, `d = h v₁`, along straight ways from `x₀` to the third
     /// positions; where bones turn, nodes go round to `x₁`, and what that strains of `K` is no

@@ -21,9 +21,9 @@ pub type Vec3x8<S> = [f64x8<S>; 3];
 /// Rest shapes and materials of eight elements; the last is repeated where there are fewer.
 #[derive(Clone, Debug)]
 pub struct RestLanes {
-    /// How many elements there are.
+    /// Number of elements.
     pub count: usize,
-    /// How they are evaluated.
+    /// Kind of evaluation.
     pub kind: Kind,
     /// Nodes of each element.
     pub tets: [[u32; 4]; LANES],

@@ -28,7 +28,7 @@ use crate::model::Law;
 /// exponent of 8, eighty times the force of one pressed to 0.9.
 const STRETCHES: [f64; 2] = [0.4, 2.0];
 
-/// How far the stress of a law fades.
+/// Range of shapes in which the stress of a law fades.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Living {
     /// ψ₀ over the shear modulus; infinite for a law that is convex in S everywhere.

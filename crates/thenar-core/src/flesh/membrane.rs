@@ -48,7 +48,7 @@ struct Piece {
     rest: RestPiece,
 }
 
-/// What a piece needs to know of its rest shape and material.
+/// Rest shape and material of a piece.
 #[derive(Clone, Copy, Debug)]
 struct RestPiece {
     /// Area \[m²\].
@@ -197,8 +197,8 @@ impl RestPiece {
         }
     }
 
-    /// What the energy rises by from `x0` to `x1` above its second-order expansion about `x0`, and
-    /// half of the second order \[J\]; nothing where the stretch changes little.
+    /// Returns the rise of the energy from `x0` to `x1` above its second-order expansion about
+    /// `x0`, and half of the second order \[J\]; zeros where the stretch changes little.
     fn surprise(&self, x0: &[Vec3; 4], x1: &[Vec3; 4]) -> [f64; 2] {
         let [before, after] = [x0, x1].map(|x| self.images(x));
         let change = [after[0] - before[0], after[1] - before[1]];

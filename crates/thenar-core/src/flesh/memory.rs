@@ -51,7 +51,7 @@ pub type Faded = [f64; 6];
 pub struct MemoryModel {
     /// Relaxation of each element; empty when none has memory.
     relaxation: Vec<Relaxation>,
-    /// Where the terms of each element begin, and where the last end.
+    /// Index of the first term of each element, and one past the last of all.
     start: Vec<u32>,
 }
 
@@ -95,7 +95,7 @@ impl MemoryModel {
         Some((relaxation, self.start[t] as usize..self.start[t + 1] as usize))
     }
 
-    /// Where the terms of these elements are.
+    /// Returns the range of the terms of these elements.
     pub fn span(&self, tets: Range<usize>) -> Range<usize> {
         let at = |t: usize| self.start.get(t).map_or(0, |start| *start as usize);
         at(tets.start)..at(tets.end)
@@ -137,7 +137,7 @@ impl MemoryModel {
 pub struct Fading {
     of: Relaxation,
     law: Law,
-    /// Where stress fades.
+    /// Shapes in which stress fades.
     pub living: Living,
     /// `Σ gᵢ`.
     pub weight: f64,

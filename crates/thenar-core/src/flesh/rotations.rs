@@ -113,7 +113,8 @@ fn times_symmetric<S: Simd>(m: &Mat3x8<S>, d: &Vec3x8<S>, o: &Vec3x8<S>) -> Mat3
     )
 }
 
-/// Where the closed form fails: crushed elements and those turned inside out along two axes alike.
+/// Finds the rotations for which the closed form fails: of crushed elements and those turned inside
+/// out along two axes alike.
 #[cold]
 #[inline(never)]
 fn rotate_singly<S: Simd>(simd: S, F: &Mat3x8<S>, R: &mut Mat3x8<S>, sound: u64) {

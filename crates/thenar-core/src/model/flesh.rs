@@ -72,7 +72,7 @@ pub struct Binding {
     pub weights: [f64; 2],
 }
 
-/// How the two bones of a node place its target.
+/// Rule by which the two bones of a node place its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Skinning {
     /// Linear blending of places (Eq. 6), the paper's: loses radius in a twist, and depth in a

@@ -95,7 +95,7 @@ pub struct Bone {
     pub pose_BT: Pose,
 }
 
-/// What of a bone touches other bodies when its flesh is crushed.
+/// Solid of a bone that touches other bodies when its flesh is crushed.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoneSolid {

@@ -53,7 +53,7 @@ pub struct AngleLimit {
     pub max: f64,
 }
 
-/// What acts about one axis of a joint.
+/// Limit, spring and damper about one axis of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Axis {

@@ -1,4 +1,4 @@
-//! What a scene is made of, as plain data: bodies, joints, flesh, bindings, surfaces.
+//! Description of a scene as plain data: bodies, joints, flesh, bindings, surfaces.
 //!
 //! These descriptions are checked and compiled into a `Model` before a simulation runs.
 

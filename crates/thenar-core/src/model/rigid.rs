@@ -3,7 +3,7 @@
 use crate::contact::Shape;
 use crate::math::{Mat3, Pose, Vec3};
 
-/// How a rigid body moves.
+/// Kind of motion of a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Motion {

@@ -48,7 +48,7 @@ pub struct Skin {
     pub soft: u32,
     /// Kinds of skin.
     pub sheets: Vec<Sheet>,
-    /// Where it lies, as [`facets`] makes them of a surface.
+    /// Facets that it covers, as [`facets`] makes them of a surface.
     pub facets: Vec<Facet>,
 }
 

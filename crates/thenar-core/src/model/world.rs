@@ -22,7 +22,8 @@ pub struct SoftDesc {
     pub coupling: Option<Coupling>,
 }
 
-/// What binds flesh to bones (Eq. 6-9). Bone indices are those of `WorldDesc::rigids`.
+/// Springs and skinning that bind flesh to bones (Eq. 6-9). Bone indices are those of
+/// `WorldDesc::rigids`.
 #[derive(Clone, Debug)]
 pub struct Coupling {
     /// One binding per node.
@@ -31,11 +32,11 @@ pub struct Coupling {
     pub springs: Springs,
     /// Damper of each node, as a time: damping = `damping_time` × stiffness \[s\].
     pub damping_time: f64,
-    /// How two bones place a node's target.
+    /// Rule by which two bones place a node's target.
     pub skinning: Skinning,
 }
 
-/// How stiff the springs of a coupling are, as it was said: one number for all, or a list.
+/// Stiffness of the springs of a coupling, as it was given: one number for all, or a list.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Springs {
     /// In proportion to what each node holds.
@@ -86,7 +87,7 @@ impl Drive {
     }
 }
 
-/// How friction is resolved.
+/// Cone that bounds friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cone {
     /// The exact circular Coulomb cone.
@@ -96,7 +97,7 @@ pub enum Cone {
     Linearised,
 }
 
-/// What step 1 of the two-step scheme assumes of the flesh.
+/// Behaviour of the flesh that step 1 of the two-step scheme assumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FleshInStep1 {
     /// Flesh does not move, as in the paper (Eq. 10). Diverges when the coupling is stiff.
@@ -119,7 +120,7 @@ pub enum SolverKind {
     DenseReference,
 }
 
-/// What keeps a joint within its range.
+/// Mechanism that keeps a joint within its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointLimits {
     /// A bound that is not passed, whatever the load: an inequality in one system with contact. The
@@ -193,7 +194,7 @@ impl Default for SolverSettings {
     }
 }
 
-/// What a body reference in a pair setting points at.
+/// Body that a pair setting refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum BodyId {
     /// Index into `WorldDesc::rigids`.
@@ -266,7 +267,7 @@ impl Default for WorldDesc {
     }
 }
 
-/// How a hand is put into a world.
+/// Settings for putting a hand into a world.
 #[derive(Clone, Debug)]
 pub struct HandPlacement {
     /// Prefix of its body names.
@@ -279,7 +280,7 @@ pub struct HandPlacement {
     pub coupling_stiffness: f64,
     /// Coupling damping time \[s\].
     pub coupling_damping_time: f64,
-    /// How two bones place the target of a node.
+    /// Rule by which two bones place the target of a node.
     pub skinning: Skinning,
     /// Drive of the root bone; `None` leaves it to physics.
     pub root_drive: Option<Drive>,
@@ -291,7 +292,7 @@ pub struct HandPlacement {
     pub nails: bool,
 }
 
-/// Where a hand ended up in the world.
+/// Indices of a hand's parts in the world.
 #[derive(Clone, Debug)]
 pub struct HandHandle {
     /// Bones of the hand among the rigid bodies.

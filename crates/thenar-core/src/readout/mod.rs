@@ -1,6 +1,6 @@
-//! What contact does, in the forms that users of a simulation ask for: per surface vertex, per
-//! finger (any part of a deformable body), per pair of bodies, per taxel ([`TaxelReadout`]). The
-//! points themselves are [`World::contacts`].
+//! Contact results in the forms that users of a simulation ask for: per surface vertex, per finger
+//! (any part of a deformable body), per pair of bodies, per taxel ([`TaxelReadout`]). The points
+//! themselves are [`World::contacts`].
 //!
 //! A [`ContactReadout`] belongs to whoever reads; it is made once, and reading allocates nothing.
 //! All forms hold the same forces: those of the points, summed. Nothing is smoothed; taxels share
@@ -37,7 +37,7 @@ use crate::model::BodyId;
 use std::ops::Range;
 use vertex::Surfaces;
 
-/// How a contact holds.
+/// State of friction at a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SlipState {
     /// Nothing presses.

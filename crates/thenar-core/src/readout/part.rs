@@ -7,12 +7,12 @@ use crate::readout::ContactReadout;
 use crate::readout::patch::{PatchContact, PatchSum};
 use crate::world::ContactPoint;
 
-/// What a finger feels, and what reaches its bones through the flesh.
+/// Contact that a finger feels, and load that reaches its bones through the flesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PartContact {
     /// On the skin, and on bones where flesh is crushed.
     pub contact: PatchContact,
-    /// Where the fingertip is: the centre of mass of the part's last bone, world \[m\]; without
+    /// Position of the fingertip: the centre of mass of the part's last bone, world \[m\]; without
     /// bones the centre of pressure.
     pub tip_W: Vec3,
     /// Torque of the contact about the fingertip, world \[N m\].

@@ -40,7 +40,7 @@ pub struct PatchContact {
     /// Part of the normal force that sliding points bear, from 0 (all hold) to 1 (all slide): slip
     /// begins at a patch's edge, long before all of it slides.
     pub slipping: f64,
-    /// How most of the load is held.
+    /// State of friction under most of the load.
     pub state: SlipState,
 }
 

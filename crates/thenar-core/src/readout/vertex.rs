@@ -7,7 +7,7 @@ use crate::readout::SlipState;
 use crate::world::ContactPoint;
 use std::ops::Range;
 
-/// What presses on one surface vertex.
+/// Contact that presses on one surface vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VertexContact {
     /// Force on it, world \[N\]: its share of the points near it.
@@ -23,7 +23,7 @@ pub struct VertexContact {
     pub pressure: f64,
     /// Tangential velocity against what it touches, mean by load, world \[m/s\].
     pub slip_W: Vec3,
-    /// How it holds.
+    /// State of friction at the vertex.
     pub state: SlipState,
 }
 

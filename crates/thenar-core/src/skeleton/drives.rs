@@ -12,8 +12,8 @@ pub fn drive_force(drive: &Drive, target: &Target, pose_WB: &Pose) -> [Vec3; 2] 
     [offset * drive.stiffness, turn * drive.angular_stiffness]
 }
 
-/// What a step adds to the diagonal of the system (linear, angular) and to its right-hand side.
-/// The target is that of the end of the step: with `x₁ = x₀ + h v₁`,
+/// Returns the terms that a step adds to the diagonal of the system (linear, angular) and to its
+/// right-hand side. The target is that of the end of the step: with `x₁ = x₀ + h v₁`,
 /// `h F₁ = h k (x_t - x₀) + h c v_t - (h² k + h c) v₁`.
 pub fn linearise_drive(
     drive: &Drive,

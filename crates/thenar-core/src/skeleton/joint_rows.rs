@@ -82,7 +82,7 @@ pub fn joint_block(kind: JointKind, frames: &JointFrames) -> JointBlock {
     block
 }
 
-/// How far the joint's axes are from where its rows want them \[rad\].
+/// Returns the angle between the joint's axes and where its rows want them \[rad\].
 pub fn misalignment(kind: JointKind, frames: &JointFrames) -> f64 {
     let (J, K) = frames.axes();
     let x_K = K.column(0);

@@ -67,11 +67,11 @@ pub fn limit_spring_torque(axis: &Axis, joint: &JointDesc, angle: f64, rate: f64
     }
 }
 
-/// How far an axis is turned from where its spring is relaxed \[rad\]. The angle is known but for
-/// whole turns. Within a range shorter than a turn it is that near the range, and the spring is
-/// wound up as far as its rest angle says. Otherwise the spring acts the shorter way round, by half
-/// a turn at most: its energy is a function of the pose alone, so that no motion round the axis can
-/// draw on it.
+/// Returns the angle by which an axis is turned from where its spring is relaxed \[rad\]. The angle
+/// is known but for whole turns. Within a range shorter than a turn it is that near the range, and
+/// the spring is wound up as far as its rest angle says. Otherwise the spring acts the shorter way
+/// round, by half a turn at most: its energy is a function of the pose alone, so that no motion
+/// round the axis can draw on it.
 pub fn stretch(axis: &Axis, angle: f64) -> f64 {
     match axis.limit {
         Some(limit) if limit.max - limit.min < TAU => {

@@ -1,4 +1,4 @@
-//! Where the bones are, given the root and the joint angles, and the way back.
+//! Bone poses, given the root and the joint angles, and the way back.
 
 use crate::math::{Pose, Vec3};
 use crate::model::{AngleLimit, HandModel, JointDesc, JointKind};
@@ -7,7 +7,7 @@ use crate::skeleton::angles::{closest_angles, joint_angles, joint_rotation, join
 /// Why joints do not make a tree of bones.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TreeError {
-    /// There must be one joint per bone but the root.
+    /// Every bone but the root needs one joint.
     #[error("{bones} bones need {} joints, got {joints}", bones.saturating_sub(1))]
     Count {
         /// Number of bones.

@@ -13,7 +13,7 @@ use crate::model::Cone;
 use crate::room::Room;
 use crate::solver::{BlockDiagonal, BlockMatrix, ContactRows, Convergence};
 
-/// When to stop.
+/// Stopping rules and friction cone.
 #[derive(Clone, Copy, Debug)]
 pub struct AnticipationSettings {
     /// Stop when a sweep changes x by less than this part of x (energy norm).

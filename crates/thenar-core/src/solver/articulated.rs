@@ -39,7 +39,7 @@ impl JointBlock {
     }
 }
 
-/// What elimination leaves for back-substitution.
+/// Factors that elimination leaves for back-substitution.
 #[derive(Clone, Copy, Debug)]
 struct Factor {
     S_inv: Mat6,

@@ -56,7 +56,7 @@ impl BlockMatrix {
         self.row_start[i] as usize..self.row_start[i + 1] as usize
     }
 
-    /// Where block (i, j) is stored.
+    /// Returns the place where block (i, j) is stored.
     ///
     /// # Panics
     /// When it is not in the pattern.

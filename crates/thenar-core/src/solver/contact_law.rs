@@ -117,7 +117,7 @@ pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> 
     }
 }
 
-/// How one contact answers its own impulse, prepared for many visits.
+/// Response of one contact to its own impulse, prepared for many visits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Response {
     /// The response, symmetric \[1/kg\].
@@ -278,10 +278,10 @@ impl ContactRow {
 }
 
 impl ContactRow {
-    /// How far the impulse is from the law of the round cone at this velocity less the target
-    /// \[m/s\], whatever the response: how fast a contact that does not press closes, one that
-    /// presses opens or closes, one that sticks slides, and one that slides goes along or across
-    /// friction instead of against it. Infinite where no velocity goes with the impulse.
+    /// Returns the deviation of the impulse from the law of the round cone at this velocity less
+    /// the target \[m/s\], whatever the response: how fast a contact that does not press closes,
+    /// one that presses opens or closes, one that sticks slides, and one that slides goes along or
+    /// across friction instead of against it. Infinite where no velocity goes with the impulse.
     pub fn strays(&self, value: &Vec3) -> f64 {
         let lambda = &self.lambda;
         if *lambda == Vec3::zeros() {

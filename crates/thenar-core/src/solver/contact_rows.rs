@@ -195,7 +195,8 @@ impl ContactRows {
 }
 
 impl ContactRow {
-    /// What the row sees of a body that moves and turns so and is held at `lever`.
+    /// Returns the row's velocity for a body that moves with these velocities and is held at
+    /// `lever`.
     #[inline]
     pub fn motion(&self, lin: &Vec3, ang: &Vec3, lever: &Vec3) -> Vec3 {
         if self.turns { *ang } else { lin + ang.cross(lever) }

@@ -12,7 +12,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub struct Islands {
     rigids: usize,
-    /// What is tied for good: a number for each block row, [`NONE`] for bodies that do not move.
+    /// Permanent ties: a number for each block row, [`NONE`] for bodies that do not move.
     tied: Vec<u32>,
     /// Leader of each number: another of the same island, or itself.
     leader: Vec<u32>,

@@ -46,7 +46,7 @@ fn joint_compliance(row: impl Iterator<Item = (f64, f64)>) -> f64 {
     if response > 0.0 { JOINT_COMPLIANCE * response } else { 1.0 }
 }
 
-/// What an iterative solver reached.
+/// Outcome of an iterative solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Convergence {
     /// Iterations done.

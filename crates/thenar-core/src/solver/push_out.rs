@@ -17,12 +17,11 @@ use crate::math::{Mat3, Vec3};
 use crate::solver::contact_law::is_immovable;
 use crate::solver::{ContactRow, ContactRows};
 
-/// How much a contact's wish yields, in parts of its own response: one that is alone undoes ten
-/// elevenths of what it wants in a step, two that contradict each other settle by a factor of 0.8 a
-/// sweep.
+/// Yield of a contact's wish, in parts of its own response: one that is alone undoes ten elevenths
+/// of what it wants in a step, two that contradict each other settle by a factor of 0.8 a sweep.
 const YIELD: f64 = 0.1;
 
-/// What a contact asks of the pseudo-velocity, along its normal.
+/// Pseudo-velocity that a contact asks for, along its normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wish {
     /// Velocity at which the overlap should go \[m/s\]; where the contact is open, [`Wish::least`].

@@ -1,4 +1,4 @@
-//! How the target of a carried node moves when its bones turn.
+//! Motion of a carried node's target as its bones turn.
 
 use crate::math::{Mat3, Vec3, skew};
 

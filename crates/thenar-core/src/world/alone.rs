@@ -168,8 +168,8 @@ impl Alone {
         self.world.input()
     }
 
-    /// What acts on the hand in the whole world, but for targets and wrenches of its bones:
-    /// gravity, and what acts on its joints and nodes.
+    /// Copies the input of the whole world that acts on the hand, but for targets and wrenches of
+    /// its bones: gravity, and what acts on its joints and nodes.
     pub fn copy_input(&self, whole: &Input, to: &mut Input) {
         to.gravity = whole.gravity;
         for (to, from) in to.joint_torques.iter_mut().zip(&self.joints) {

@@ -22,7 +22,7 @@ use std::ops::Range;
 
 /// A step after which all is at rest \[s\]: dampings of a hand act within milliseconds.
 const REST: f64 = 10.0;
-/// How accurately that is found: a micrometre.
+/// Accuracy of the state at rest: a micrometre.
 const AT_REST: Accuracy =
     Accuracy { best_effort: true, velocity: 1e-6 / REST, iterations_max: 20, sweeps_max: 0 };
 
@@ -106,7 +106,7 @@ impl World {
     }
 }
 
-/// What the system at rest is made of.
+/// Inputs from which the system at rest is made.
 struct Rest<'a> {
     desc: &'a WorldDesc,
     model: &'a Model,
@@ -178,7 +178,8 @@ impl Rest<'_> {
         }
     }
 
-    /// What hangs on no drive and no bones moves by `h v + h² f/m` in a time step of h.
+    /// Adds bodies that hang on no drive and no bones, which move by `h v + h² f/m` in a time step
+    /// of h.
     fn add_objects(&mut self) {
         let Self { desc, model, state, scratch, input, h, .. } = self;
         let steps = REST / *h;

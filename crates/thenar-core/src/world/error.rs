@@ -10,9 +10,9 @@ pub enum ModelError {
         thing: String,
         /// Quantity that is not finite.
         what: &'static str,
-        /// What is allowed.
+        /// Values that are allowed.
         expected: &'static str,
-        /// What was given.
+        /// Value that was given.
         got: f64,
     },
     /// An index points nowhere.
@@ -127,7 +127,7 @@ pub enum ModelError {
     Changed {
         /// Body, joint or world.
         thing: String,
-        /// What differs.
+        /// Property that differs.
         what: &'static str,
     },
 }

@@ -164,7 +164,7 @@ impl Scheme for ExactScheme<'_> {
         2.0 * self.settings.velocity_tolerance
     }
 
-    /// Where safety is asked for, velocities are shortened until they bring in no energy.
+    /// Shortens velocities until they bring in no energy, where safety is asked for.
     fn finish(
         &mut self,
         model: &Model,

@@ -1,4 +1,4 @@
-//! How many freedoms the exact solver takes at once.
+//! Bound on the freedoms that the exact solver takes at once.
 
 use crate::model::{Motion, SolverKind, WorldDesc};
 use crate::world::ModelError;

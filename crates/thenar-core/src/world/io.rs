@@ -1,10 +1,10 @@
-//! What goes into a step and what comes out.
+//! Inputs and results of a step.
 
 use crate::math::{Pose, Quat, Vec3};
 use crate::model::BodyId;
 use crate::solver::Failure;
 
-/// Where a driven bone should be.
+/// Wanted pose and velocity of a driven bone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Target {
@@ -18,7 +18,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// Where the target was so much earlier \[s\], by its velocities.
+    /// Returns the target as it was `time` earlier \[s\], by its velocities.
     pub(super) fn earlier(&self, time: f64) -> Self {
         if time == 0.0 {
             return *self;
@@ -36,7 +36,7 @@ impl Target {
     }
 }
 
-/// Where a joint should be: a position drive, as strong as the joint's own spring and damper. The
+/// Wanted angles of a joint: a position drive, as strong as the joint's own spring and damper. The
 /// spring is relaxed at these angles in the place of `Axis::rest_angle`, and the damper brakes what
 /// the joint's rates differ from these.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ impl Default for JointTarget {
 }
 
 impl JointTarget {
-    /// Where the target was so much earlier \[s\], by its rates.
+    /// Returns the target as it was `time` earlier \[s\], by its rates.
     pub(super) fn earlier(&self, time: f64) -> Self {
         if time == 0.0 {
             return *self;
@@ -84,7 +84,7 @@ impl JointTarget {
 }
 
 impl Input {
-    /// How many targets, of bodies and of joints, are not finite.
+    /// Returns the number of targets, of bodies and of joints, that are not finite.
     pub fn bad_targets(&self) -> u32 {
         let bodies = self.targets.iter().flatten().filter(|target| !target.is_finite()).count();
         let joints = self.joint_targets.iter().flatten().filter(|target| !target.is_finite());
@@ -216,7 +216,7 @@ impl Energy {
     }
 }
 
-/// What happened in one step.
+/// Report on one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
     /// Why the chosen solver did not make this step, when it did not.

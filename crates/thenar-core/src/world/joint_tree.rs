@@ -43,9 +43,9 @@ pub struct JointTree {
     hung: Vec<Hung>,
     /// Joints that close loops.
     pub cuts: Vec<usize>,
-    /// What keeps its momentum.
+    /// Bodies that keep their momentum.
     pub floating: Vec<Floating>,
-    /// What keeps its swing: trees of rigid bodies without loops.
+    /// Bodies that keep their swing: trees of rigid bodies without loops.
     pub hanging: Vec<Hanging>,
 }
 

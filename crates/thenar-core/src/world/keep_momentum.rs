@@ -1,4 +1,4 @@
-//! What floats freely keeps its momentum when its parts are brought together.
+//! Momentum of free-floating bodies, kept when their parts are brought together.
 //!
 //! Closing joints moves masses relative to each other. Inner forces cannot shift their common
 //! centre nor turn them as a whole, so with `δ_i = x̃_i - x_i` from where a part is to where its

@@ -1,4 +1,4 @@
-//! What hangs on a fixed joint keeps the angular momentum with which it swings.
+//! Angular momentum of bodies that hang on a fixed joint, kept as they swing.
 //!
 //! A body that its joint takes round an arc, not along the tangent of its velocity, has less
 //! angular momentum about the pivot than before, `Σ m (x̃ - x) × v` less, with x̃ where its

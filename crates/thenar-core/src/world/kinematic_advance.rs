@@ -39,9 +39,9 @@ const ROUNDS_MAX: u32 = 8;
 pub struct UnjointedMotion {
     /// Rotation of each joint at the end of the step.
     rotations_JK: Vec<Quat>,
-    /// Where each body would be without joints.
+    /// Pose of each body without joints.
     pub poses_WB: Vec<Pose>,
-    /// Where each node would be.
+    /// Position of each node without joints.
     pub x: Vec<Vec3>,
     /// For each carried node, `f(q₀) + Δt J v_s`.
     targets_W: Vec<Vec3>,

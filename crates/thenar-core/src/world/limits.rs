@@ -25,7 +25,7 @@ pub struct LimitRow {
     pub axis: u32,
     /// The sign of torques that push away from the bound: 1 at the lower bound, -1 at the upper.
     pub sign: f64,
-    /// How far the angle is from the bound, negative beyond it \[rad\].
+    /// Distance of the angle from the bound, negative beyond it \[rad\].
     pub gap: f64,
     /// The turn of the child that leads away from the bound, world, of unit length.
     pub direction_W: Vec3,
@@ -34,7 +34,7 @@ pub struct LimitRow {
     pub included: f64,
 }
 
-/// What keeps limits.
+/// Returns the mechanism that keeps limits.
 pub fn kind(settings: &SolverSettings) -> JointLimits {
     if by_rows(settings) { JointLimits::Rows } else { JointLimits::Springs }
 }
@@ -126,8 +126,8 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     }
 }
 
-/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\]. Beyond a
-/// bound an axis turns no further; `push_out` brings it back.
+/// Returns the speed to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\].
+/// Beyond a bound an axis turns no further; `push_out` brings it back.
 fn wanted(gap: f64, h: f64) -> f64 {
     TURN_LEVER * -gap.max(0.0) / h
 }

@@ -74,7 +74,7 @@ pub struct World {
     places: Vec<RigidPlace>,
     solver: Solver,
     time_step: f64,
-    /// How often parameters were replaced.
+    /// Number of times that parameters were replaced.
     retuned: u64,
 }
 
@@ -288,17 +288,17 @@ impl World {
         Ok(())
     }
 
-    /// What the world was built from.
+    /// Returns the description that the world was built from.
     pub fn desc(&self) -> &WorldDesc {
         &self.desc
     }
 
-    /// What is constant.
+    /// Returns the constant part.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// What changes.
+    /// Returns the changing part.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -348,7 +348,7 @@ impl World {
         &self.state.v[2 * rigids + range.start..2 * rigids + range.end]
     }
 
-    /// Where a deformable body's nodes lie in `Input::node_forces`.
+    /// Returns the range of a deformable body's nodes in `Input::node_forces`.
     pub fn node_range(&self, soft: u32) -> Range<usize> {
         self.model.soft_nodes[soft as usize].clone()
     }

@@ -25,7 +25,7 @@ pub struct RigidModel {
     pub inverse_inertia: Mat3,
 }
 
-/// Where a joint's spring blocks lie in the system matrix (angular rows of child and parent).
+/// Places of a joint's spring blocks in the system matrix (angular rows of child and parent).
 #[derive(Clone, Copy, Debug)]
 pub struct JointEntries {
     /// (child, child).

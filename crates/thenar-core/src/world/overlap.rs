@@ -1,4 +1,4 @@
-//! What overlaps in a state: bodies that were put into each other.
+//! Overlaps in a state: bodies that were put into each other.
 
 use crate::contact::{Contact, Reach, RigidPlace, SeenSides, Shape, Site, SurfaceState};
 use crate::math::Vec3;
@@ -64,7 +64,7 @@ impl World {
         overlaps
     }
 
-    /// What one search finds with nothing moving and no margin.
+    /// Returns the contacts that one search finds with nothing moving and no margin.
     fn contacts_at_rest(&self) -> Vec<Contact> {
         let mut detector = self.detector.clone();
         let still = |pose_WB: &_| RigidPlace {

@@ -54,8 +54,8 @@ pub struct StepParts {
     done: u32,
     length: u32,
     reach: f64,
-    /// How often a part was taken back: at most twice for each of the shortest, so that a step
-    /// costs three times these.
+    /// Number of times that a part was taken back: at most twice for each of the shortest, so that
+    /// a step costs three times these.
     retries: u32,
 }
 
@@ -134,13 +134,13 @@ impl World {
         crowded || !missed && depth == 0.0
     }
 
-    /// How far contact is to look in another attempt at the part just made \[m\].
+    /// Returns the distance for contact to look in another attempt at the part just made \[m\].
     pub(super) fn reach(&self) -> f64 {
         self.travel().min(REACH_MAX * push_out::margin(&self.desc.solver))
     }
 
-    /// How far anything has moved since the start of the part \[m\]; a plane that tilts does not
-    /// count.
+    /// Returns the largest distance that anything has moved since the start of the part \[m\]; a
+    /// plane that tilts does not count.
     fn travel(&self) -> f64 {
         let Self { state, scratch, detector, .. } = self;
         let before = &scratch.before;

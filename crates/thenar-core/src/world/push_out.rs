@@ -26,8 +26,8 @@ const LEFT: f64 = 1.0 - 1.0 / STEPS_OF_TOLERANCE;
 /// The part of such a gap that is closed in a step.
 const CLOSED_IN_A_STEP: f64 = 0.25 / STEPS_OF_TOLERANCE;
 
-/// How fast overlaps are undone at most \[m/s\]: 22 mm/s at a margin of 1 mm, 70 mm/s where a body
-/// overlaps itself.
+/// Returns the highest speed at which overlaps are undone \[m/s\]: 22 mm/s at a margin of 1 mm, 70
+/// mm/s where a body overlaps itself.
 pub fn speed_max(settings: &SolverSettings, lift: f64) -> f64 {
     (0.5 * GRAVITY * lift * margin(settings)).sqrt()
 }
@@ -43,16 +43,16 @@ pub fn margin(settings: &SolverSettings) -> f64 {
     if margin > 0.0 { margin } else { SolverSettings::default().contact_margin }
 }
 
-/// How far contacts may be apart or overlap by what the tolerance makes of them \[m\], 40 nm at 1
-/// ms: of the default tolerance, as what is asked of the solver must not change what it solves.
+/// Returns the gap or overlap that the tolerance leaves to contacts \[m\], 40 nm at 1 ms: of the
+/// default tolerance, as what is asked of the solver must not change what it solves.
 pub fn slack(h: f64) -> f64 {
     STEPS_OF_TOLERANCE * SolverSettings::default().velocity_tolerance * h
 }
 
-/// How fast a contact may close at `gap` \[m/s\], as a target, not above zero. A gap within the
-/// `slack` closes by a part in each step, no faster than a quarter of the tolerance: to undo an
-/// overlap opens other contacts a little, and a body that fell so far at once would lose a part of
-/// its weight for a step, `4 · 10 µm/s / (g h)`, 0.4 % at 1 ms.
+/// Returns the speed at which a contact may close at `gap` \[m/s\], as a target, not above zero. A
+/// gap within the `slack` closes by a part in each step, no faster than a quarter of the tolerance:
+/// to undo an overlap opens other contacts a little, and a body that fell as far at once would lose
+/// a part of its weight for a step, `4 · 10 µm/s / (g h)`, 0.4 % at 1 ms.
 pub fn closing(gap: f64, slack: f64, h: f64) -> f64 {
     let open = gap.max(0.0);
     -((open - slack).max(0.0) + open.min(slack) * CLOSED_IN_A_STEP) / h

@@ -41,7 +41,8 @@ impl World {
         Ok(())
     }
 
-    /// How often it went on with other parameters: who keeps a part of it compares.
+    /// Returns the number of times that parameters were replaced, for users who keep a part of the
+    /// world to compare.
     pub fn retuned(&self) -> u64 {
         self.retuned
     }

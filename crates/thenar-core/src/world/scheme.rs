@@ -1,4 +1,4 @@
-//! What the schemes of a step have in common: [`Step::find_velocities`](crate::world::step::Step)
+//! Common interface of the schemes of a step: [`Step::find_velocities`](crate::world::step::Step)
 //! is the same for all of them but for these parts.
 
 use crate::model::{JointLimits, SolverKind, WorldDesc};
@@ -54,10 +54,10 @@ impl Solver {
 /// One way to solve Eq. 9, with its settings. Each part finds in `scratch` what the parts before it
 /// left there.
 pub trait Scheme {
-    /// What the solve without contact leaves for the response to contact.
+    /// Data that the solve without contact leaves for the response to contact.
     type Factored;
 
-    /// What keeps joints within their range.
+    /// Returns the mechanism that keeps joints within their range.
     fn limits(&self) -> JointLimits;
 
     /// Sets A to zero.
@@ -106,7 +106,7 @@ pub trait Scheme {
     /// A residual of [`Scheme::respond`] beyond which contact has not converged.
     fn residual_max(&self) -> f64;
 
-    /// What is left to do once contact is in the velocities.
+    /// Finishes the step once contact is in the velocities.
     ///
     /// # Errors
     /// The bones' system is singular.

@@ -56,8 +56,8 @@ impl World {
         (inverse * frozen * inverse.transpose()).symmetric_eigenvalues().max()
     }
 
-    /// What in the present settings is known to diverge or not to be followed, one sentence each;
-    /// empty when nothing is. Allocates: for use outside the stepped loop.
+    /// Returns what in the present settings is known to diverge or not to be followed, one sentence
+    /// each; empty when nothing is. Allocates: for use outside the stepped loop.
     pub fn stability_warnings(&self) -> Vec<String> {
         let settings = &self.desc.solver;
         if settings.kind != SolverKind::TwoStep || settings.step1_flesh != FleshInStep1::Frozen {

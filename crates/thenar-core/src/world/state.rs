@@ -1,4 +1,4 @@
-//! What changes: the state that a snapshot must hold, and the step's scratch memory.
+//! Changing data of a world: the state that a snapshot must hold, and the step's scratch memory.
 
 use crate::contact::{Contact, HeldPlace, SeenSides};
 use crate::coupling::{BoneSystem, Share};
@@ -34,7 +34,7 @@ pub struct State {
     pub x: Vec<Vec3>,
     /// Velocities, as blocks: linear and angular of each rigid body, then nodes.
     pub v: Vec<Vec3>,
-    /// What contact added to the velocities in the last step: the next one's first guess.
+    /// Change of the velocities by contact in the last step: the next one's first guess.
     pub contact_change: Vec<Vec3>,
     /// Contact impulses of the last step by feature, sorted \[N s\], world, on A.
     pub impulses: Room<(u64, Vec3)>,
@@ -113,8 +113,8 @@ impl State {
         }
     }
 
-    /// What contact and limits remember of the last step is of its length: for one that is `ratio`
-    /// times as long the same forces give so much more. What is no number then is forgotten.
+    /// Scales what contact and limits remember of the last step to a step `ratio` times as long:
+    /// the same forces give impulses in proportion. What is no number then is forgotten.
     pub fn scale_impulses(&mut self, ratio: f64) {
         let scaled = |x: f64| if (x * ratio).is_finite() { x * ratio } else { 0.0 };
         for (_, impulse) in &mut self.impulses {
@@ -245,7 +245,7 @@ pub struct Scratch {
     pub joints: Vec<JointBlock>,
     /// Measured axes of the joints.
     pub axes: Vec<[Option<AxisState>; 2]>,
-    /// What prescribed bodies contribute to their rates.
+    /// Contribution of prescribed bodies to their rates.
     pub known: Vec<Vec6>,
     /// Step 1's solver.
     pub articulated: Articulated,
@@ -279,28 +279,28 @@ pub struct Scratch {
     pub areas: Room<f64>,
     /// Contacts and limits that touch reads, by weight.
     pub chosen: Room<u32>,
-    /// How deep each rigid, then each deformable body was in others when the part began \[m\].
+    /// Depth of each rigid, then each deformable body in others when the part began \[m\].
     pub depths: Vec<f64>,
     /// Gaps of the contacts reported at the end of the step \[m\]; before, those of all rows at its
     /// start.
     pub gaps: Room<f64>,
-    /// What all rows ask of the pseudo-velocity that undoes overlaps.
+    /// Wishes of all rows for the pseudo-velocity that undoes overlaps.
     pub wishes: Room<Wish>,
     /// This pseudo-velocity: positions move by it, besides the velocities \[m/s\].
     pub push: Vec<Vec3>,
-    /// There is one in this step.
+    /// True when this step has one.
     pub pushes: bool,
-    /// Where velocities and pushes would have taken each node on a straight way.
+    /// Position to which velocities and pushes would have taken each node on a straight way.
     pub straight: Vec<Vec3>,
     /// Collision vertices of all deformable bodies, world, and their velocities.
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
     pub vertex_velocities: Vec<Vec3>,
-    /// How far they have gone since the start of the part \[m\].
+    /// Displacements of the vertices since the start of the part \[m\].
     pub vertex_ways: Vec<Vec3>,
     /// Groups of bodies that move each other.
     pub islands: Islands,
-    /// Where things would be without joints, and memory to close these.
+    /// Motion without joints, and memory to close these.
     pub moved: UnjointedMotion,
     /// The state before the step.
     pub before: State,

@@ -13,7 +13,7 @@ use crate::world::{
     reference, response,
 };
 
-/// What a step reads and writes.
+/// Inputs and outputs of a step.
 pub struct Step<'a> {
     desc: &'a WorldDesc,
     model: &'a Model,

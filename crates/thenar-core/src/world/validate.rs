@@ -49,9 +49,9 @@ pub enum Invalid {
         index: usize,
         /// Quantity that is wrong.
         what: &'static str,
-        /// What is allowed.
+        /// Values that are allowed.
         expected: &'static str,
-        /// What it is.
+        /// Value that was found.
         got: f64,
     },
     /// A list has not the length that the model asks for.

@@ -39,7 +39,7 @@ fn call(name: &str, body: impl FnOnce(&Script) -> Done) -> XrResult {
     }
 }
 
-/// What the caller points at, with the type that it must say.
+/// Structure behind the caller's pointer, checked for the type that it must state.
 ///
 /// # Safety
 /// `pointer` is null or points at a valid structure of type `T`.
@@ -92,7 +92,7 @@ pub unsafe extern "system" fn xrNegotiateLoaderRuntimeInterface(
     XrResult::SUCCESS
 }
 
-/// What every function that is not one of ours does.
+/// Stands in for every function that is not one of ours.
 unsafe extern "system" fn unsupported() -> XrResult {
     violation("a function was called that a program without a picture does not need");
     XrResult::ERROR_FUNCTION_UNSUPPORTED

@@ -1,4 +1,4 @@
-//! Where the hands of this runtime are.
+//! Poses of this runtime's hands.
 
 /// Joints of a hand, the palm first.
 pub const JOINTS: usize = 26;

@@ -1,4 +1,4 @@
-//! What the runtime shall do: lines of a file, a key and its value, read again at every poll.
+//! Script of the runtime: lines of a file, a key and its value, read again at every poll.
 //!
 //! | key | value |
 //! |---|---|
@@ -16,7 +16,7 @@ use std::io::Write;
 /// Names the file.
 pub const VARIABLE: &str = "THENAR_XR_SCRIPT";
 
-/// What a script says.
+/// Contents of a script.
 #[derive(Clone, Debug)]
 pub struct Script {
     /// Extensions that are lacking.
@@ -27,9 +27,9 @@ pub struct Script {
     pub blind: Option<usize>,
     /// The headset has hand tracking.
     pub tracks: bool,
-    /// There is a stage.
+    /// True if there is a stage.
     pub stage: bool,
-    /// What becomes of the session.
+    /// Fate of the session.
     pub session: String,
     /// Functions that fail, and how.
     pub fails: Vec<(String, i32)>,

@@ -1,11 +1,11 @@
-//! What the runtime knows: one instance, its session, and the events that wait to be reported.
+//! State of the runtime: one instance, its session, and the events that wait to be reported.
 
 use crate::script::{Script, log};
 use openxr_sys::{Result as XrResult, SessionState};
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What `xrPollEvent` gives.
+/// Event that `xrPollEvent` gives.
 #[derive(Clone, Copy, Debug)]
 pub enum Told {
     /// The session's new state.

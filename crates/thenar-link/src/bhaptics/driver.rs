@@ -1,4 +1,4 @@
-//! How the player is reached.
+//! Driver that reaches the player.
 
 use super::{Bhaptics, Feel, PATH, PORT};
 use crate::transport::{WebSocketTransport, websocket};

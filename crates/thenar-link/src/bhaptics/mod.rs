@@ -16,17 +16,17 @@ use thenar_core::model::Side;
 
 /// TCP port of the player, on this computer.
 pub const PORT: u16 = 15881;
-/// What is asked of it; name and id are shown in the player.
+/// Path requested of the player, which shows name and id.
 pub const PATH: &str = "/v2/feedbacks?app_id=thenar&app_name=Thenar";
 
-/// How long a frame vibrates, and the time between frames \[ns\].
+/// Duration of a frame's vibration, and the time between frames \[ns\].
 const FRAME_NS: u64 = 100_000_000;
 /// Without an output for so long nothing is felt \[ns\].
 const SILENCE_NS: u64 = 20_000_000;
 /// The player's largest intensity for one point.
 const INTENSITY_MAX: f64 = 100.0;
 
-/// How pads' readings become intensities: linear in force and in slip, together at most 100.
+/// Map from pads' readings to intensities: linear in force and in slip, together at most 100.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feel {
     /// Pad force below which nothing is felt \[N\].
@@ -76,7 +76,7 @@ struct Glove {
     shown_ns: u64,
     /// Largest since the last frame.
     peak: [u8; DIGITS],
-    /// When the last frame was sent.
+    /// Time of the last frame sent.
     sent_ns: Option<u64>,
     /// The last frame vibrates.
     vibrates: bool,
@@ -88,11 +88,11 @@ pub struct Bhaptics {
     feel: Feel,
     /// Left, right.
     gloves: [Glove; 2],
-    /// What the player said last of connected gloves.
+    /// Connected gloves, by the player's last status.
     connected: Option<Vec<String>>,
 }
 
-/// What is read of the player's statuses; the rest is left out.
+/// Part of the player's statuses that is read; the rest is ignored.
 #[derive(Deserialize)]
 struct Status {
     #[serde(default, rename = "ConnectedPositions")]

@@ -4,10 +4,10 @@ use crate::DIGITS;
 use serde::Deserialize;
 use thenar_core::model::Side;
 
-/// What it says of itself when a host has called: a pair of gloves.
+/// Status that the player sends when a host has called: a pair of gloves.
 pub const STATUS: &str = r#"{"ConnectedPositions":["GloveL","GloveR"]}"#;
 
-/// What was submitted.
+/// Submission of a host.
 #[derive(Deserialize)]
 struct Request {
     #[serde(default, rename = "Submit")]
@@ -65,7 +65,7 @@ impl SimulatedPlayer {
         Ok(())
     }
 
-    /// How each fingertip vibrates, 0 to 100, thumb first.
+    /// Vibration of each fingertip, 0 to 100, thumb first.
     pub fn felt(&self, side: Side, now_ns: u64) -> [u8; DIGITS] {
         let (tips, until) = self.gloves[side as usize];
         if now_ns < until { tips } else { [0; DIGITS] }

@@ -9,7 +9,7 @@ use super::{Speech, sample};
 use crate::{Event, HandOutput, Protocol};
 use std::sync::Arc;
 
-/// What makes the glove stream at 100 Hz: stop, is it there, light on, no filter, period of
+/// Commands that make the glove stream at 100 Hz: stop, is it there, light on, no filter, period of
 /// 1152 / 115200 s, no status byte, go.
 const START: [&[u8]; 7] = [b"\x03", b"l ?\r", b"l 1\r", b"f 0\r", b"t 1152 1\r", b"u 0\r", b"S"];
 /// Between two of these, since the glove has a small buffer \[ns\].
@@ -24,7 +24,7 @@ pub struct Classic {
     record: Vec<u8>,
     /// More came than a record has.
     too_long: bool,
-    /// What may be the stream's first record, and how many bytes came since.
+    /// Candidate for the stream's first record, and the number of bytes since.
     first: Option<(Event, usize)>,
     speech: Speech,
 }

@@ -1,4 +1,4 @@
-//! What is particular to one CyberGlove and its wearer.
+//! Profile of one CyberGlove and its wearer.
 
 use super::sensors::{self, NAMES, SENSORS};
 use crate::profile::{Check, Link, Tracking, WearerHand, Wrist};
@@ -8,7 +8,7 @@ use thenar_core::Pose;
 use thenar_core::model::Side;
 use thenar_track::ANGLES;
 
-/// What is shipped for CyberGlove I and II.
+/// Profile shipped for CyberGlove I and II.
 pub const SHIPPED: &str = include_str!("../../profiles/cyberglove.toml");
 /// For CyberGlove III.
 pub const SHIPPED_3: &str = include_str!("../../profiles/cyberglove3.toml");
@@ -19,11 +19,11 @@ pub const SHIPPED_3: &str = include_str!("../../profiles/cyberglove3.toml");
 pub struct Profile {
     /// The hand that wears the glove.
     pub hand: WearerHand,
-    /// Where the wrist is, or the forearm if the glove's own wrist sensors turn it.
+    /// Pose of the wrist, or of the forearm if the glove's own wrist sensors turn it.
     pub wrist: Wrist,
     /// The cable.
     pub link: Link,
-    /// When its samples come.
+    /// Timing of samples.
     pub tracking: Tracking,
     /// The glove.
     pub glove: Glove,

@@ -37,7 +37,7 @@ const OUTER: [usize; 4] = [6, 9, 13, 17];
 /// An outer finger joint bends so much of the middle one's flexion.
 const OUTER_PER_MIDDLE: f64 = 2.0 / 3.0;
 
-/// Where the `k`-th value of a glove with `count` sensors belongs.
+/// Sensor of the `k`-th value of a glove with `count` sensors.
 pub fn place(k: usize, count: usize) -> Option<usize> {
     match count {
         SENSORS => (k < SENSORS).then_some(k),

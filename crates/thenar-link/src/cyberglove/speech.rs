@@ -1,4 +1,4 @@
-//! What a glove must be told before it streams, in its pace, and again when it falls silent.
+//! Commands that a glove needs before it streams, in its pace, and again when it falls silent.
 
 /// Listens this long to a glove that may stream already \[ns\].
 const LISTEN_NS: u64 = 100_000_000;
@@ -11,7 +11,7 @@ pub struct Speech {
     silence_ns: u64,
     /// The next word and when it is due; `None` while the glove streams or has been told all.
     next: Option<(usize, u64)>,
-    /// When it was last heard, or told all.
+    /// Time of the last word, the glove's or ours.
     heard_ns: u64,
     streams: bool,
 }

@@ -25,11 +25,11 @@ const RESYNC_NS: u64 = 2_000_000_000;
 /// The protocol.
 pub struct Third {
     profile: Arc<Profile>,
-    /// What is not yet understood: less than two packets.
+    /// Bytes not yet understood: less than two packets.
     bytes: Vec<u8>,
     /// The beginning of packets is known.
     in_step: bool,
-    /// When it was last lost \[ns\].
+    /// Time of the last loss of the beginning \[ns\].
     lost_ns: Option<u64>,
     speech: Speech,
 }

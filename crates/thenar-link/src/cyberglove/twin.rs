@@ -35,7 +35,7 @@ pub struct ClassicTwin {
     sensors: usize,
     values: [f64; SENSORS],
     command: Vec<u8>,
-    /// When its next record is due; `None` while it does not stream.
+    /// Due time of its next record; `None` while it does not stream.
     next_ns: Option<u64>,
 }
 

@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use thenar_core::model::Side;
 use thenar_touch::{CYBERGRASP_FORCE_MAX, tendon_pull};
 
-/// What is shipped.
+/// Shipped profile.
 pub const SHIPPED: &str = include_str!("../../profiles/cybergrasp.toml");
 /// Bytes of a command, and of its answer.
 pub const COMMAND: usize = 28;

@@ -1,4 +1,4 @@
-//! How bridges are reached.
+//! Driver that reaches bridges.
 
 use super::ForceDevice;
 use super::profile::{Profile, SHIPPED};

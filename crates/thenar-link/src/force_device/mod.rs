@@ -31,12 +31,12 @@ const RESTART_NS: u64 = 100_000_000;
 /// A release is numbered so far ahead: a keeper has the number of 5 ms ago, and a command goes out
 /// every 0.4 ms at most.
 const RELEASE_AHEAD: u32 = 64;
-/// How long the fingers take to close when the button is pressed \[s\].
+/// Time that the fingers take to close when the button is pressed \[s\].
 const CLOSING: f64 = 0.15;
 /// Time between reports of lost states \[ns\], made if more than one in a hundred was lost.
 const REPORT_NS: u64 = 10_000_000_000;
 
-/// Where the device stands and how it is held.
+/// Placement of the device and the grip on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
     /// The hand that holds it.
@@ -58,7 +58,7 @@ pub struct ForceDevice {
     /// Number of the next command.
     seq: u32,
     sent_ns: Option<u64>,
-    /// What shall be felt, device frame, and since when.
+    /// Time and value of the wanted force and torque, device frame.
     wanted: Option<(u64, [Vec3; 2])>,
     /// Newest state: number and arrival.
     state: Option<(u32, u64)>,

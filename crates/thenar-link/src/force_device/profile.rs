@@ -1,4 +1,4 @@
-//! What an arm may do, where it stands and how it is held.
+//! Profile of an arm: its limits, its place and the grip on it.
 
 use super::Setup;
 use crate::joints::{in_reach, rotation};
@@ -26,7 +26,7 @@ pub struct Profile {
     pub base: MountPose,
     /// The wrist in the frame of the handle.
     pub tool: MountPose,
-    /// How it is held.
+    /// Grip on the handle.
     pub grip: Grip,
     /// All arms that are known.
     pub arms: BTreeMap<String, Arm>,
@@ -52,7 +52,7 @@ pub struct Grip {
     pub closed: [DigitAngles; 5],
 }
 
-/// What an arm may do.
+/// Limits of an arm.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Arm {

@@ -9,14 +9,14 @@ pub const WATCHDOG_NS: u64 = 20_000_000;
 /// The arm and its bridge. Pure: time and datagrams in, datagrams out.
 #[derive(Clone, Debug)]
 pub struct SimulatedArm {
-    /// Where the handle is.
+    /// Pose of the handle.
     pub pose: Pose,
     /// Pressed buttons, bit 0 the first.
     pub buttons: u32,
     seq: u32,
     /// Newest command, and when it came.
     command: Option<(Command, u64)>,
-    /// When and where the handle was in the last state.
+    /// Time and position of the handle in the last state.
     last: Option<(u64, Vec3)>,
 }
 

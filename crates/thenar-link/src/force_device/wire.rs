@@ -21,7 +21,7 @@ pub const STATE_BYTES: usize = 56;
 /// No handle moves faster \[m/s\].
 const SPEED_MAX: f64 = 100.0;
 
-/// What the device shall do.
+/// Command to the device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command {
     /// Number, one more with each.
@@ -34,7 +34,7 @@ pub struct Command {
     pub torque: Vec3,
 }
 
-/// Where the device's handle is.
+/// State of the device's handle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// Number, one more with each.

@@ -1,4 +1,4 @@
-//! How the streamer is reached.
+//! Driver that reaches the streamer.
 
 use super::{HandTrackingStreamer, Points, TCP_PORT, UDP_PORT};
 use crate::options::Options;

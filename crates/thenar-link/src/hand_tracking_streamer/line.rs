@@ -11,11 +11,11 @@ pub struct Line {
     pub frame: Option<i64>,
     /// The headset's clock \[ns\].
     pub time: Option<i64>,
-    /// What it says.
+    /// Content of the line.
     pub body: Body,
 }
 
-/// What a line says.
+/// Content of a line.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // one at a time, by value
 pub enum Body {

@@ -1,4 +1,4 @@
-//! What the app sends for a hand, byte for byte: for trials without a headset.
+//! Lines that the app sends for a hand, byte for byte: for trials without a headset.
 
 use super::Points;
 use crate::joints::WEBXR_OF_POINT;

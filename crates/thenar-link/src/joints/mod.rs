@@ -13,7 +13,7 @@ use thenar_core::{Quat, Vec3};
 /// Nothing tracked is farther from the origin \[m\]; the simulation takes no more.
 pub const REACH: f64 = 10.0;
 
-/// How far the length of a quaternion may be from one.
+/// Largest deviation of a quaternion's length from one.
 const UNIT_TOLERANCE: f64 = 0.1;
 
 /// The rotation of a quaternion that a tracker sent, x y z w; its length where that is not one.

@@ -24,7 +24,7 @@ const AXES: [[f64; 3]; 5] = [
     [0.96, 0.02, 0.27],
     [0.90, -0.12, 0.41],
 ];
-/// Where metacarpals of the four fingers begin: part of the way from wrist to knuckle, and beside
+/// Bases of the four fingers' metacarpals: part of the way from wrist to knuckle, and offset from
 /// it in the palm's frame of a right hand, in parts of the way to the middle knuckle.
 const BASES: [(f64, [f64; 3]); 4] = [
     (0.418, [-0.067, -0.104, 0.023]),

@@ -1,4 +1,4 @@
-//! Which joint of another order is which of ours. Ours is that of WebXR Hand Input
+//! Tables from other orders of joints to ours, that of WebXR Hand Input
 //! ([`TRACKED_JOINTS`](thenar_track::TRACKED_JOINTS)).
 
 use thenar_core::Vec3;

@@ -11,7 +11,7 @@ use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long a keeper has to end; one that hangs is killed.
+/// Time that a keeper has to end; one that hangs is killed.
 const ENDING: Duration = Duration::from_millis(50);
 
 /// A keeper at work, as the program sees it. Dropping it kills the keeper.

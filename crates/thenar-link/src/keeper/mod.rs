@@ -45,7 +45,7 @@ pub fn use_program(path: PathBuf) {
     let _ = PROGRAM.set(path);
 }
 
-/// What is started as a keeper.
+/// Program that is started as a keeper.
 pub fn program() -> Option<&'static Path> {
     PROGRAM.get().map(PathBuf::as_path)
 }

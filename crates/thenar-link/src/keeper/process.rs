@@ -1,4 +1,4 @@
-//! What the keeper's process does.
+//! Work of the keeper's process.
 
 use super::{KeeperTurn, Watch};
 use crate::now_ns;

@@ -1,4 +1,4 @@
-//! When a keeper lets go. Pure: time is an argument.
+//! Decides when a keeper lets go. Pure: time is an argument.
 
 /// Time between two beats of the program \[ns\].
 pub const BEAT_NS: u64 = 5_000_000;
@@ -32,11 +32,11 @@ pub struct KeeperTurn {
 /// The state of a keeper.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
-    /// When the program was last heard \[ns\]; `None` before the first beat.
+    /// Time of the program's last beat \[ns\]; `None` before the first.
     heard_ns: Option<u64>,
-    /// When it was last released \[ns\]; `None` while the program holds the device.
+    /// Time of the last release \[ns\]; `None` while the program holds the device.
     released_ns: Option<u64>,
-    /// When the program went \[ns\].
+    /// Time when the program was found gone \[ns\].
     gone_ns: Option<u64>,
     ended: bool,
 }
@@ -57,7 +57,7 @@ impl Watch {
         self.gone_ns.get_or_insert(now_ns);
     }
 
-    /// What is due at this time.
+    /// Actions due at this time.
     pub fn turn(&mut self, now_ns: u64) -> KeeperTurn {
         let passed = |since: u64| now_ns.saturating_sub(since);
         let (release, tell) = (false, false);
@@ -89,8 +89,8 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// When the keeper releases \[ms\], of a program that beats at these times, looked at each time
-    /// it asks to be.
+    /// Times of the keeper's releases \[ms\], for a program that beats at these times; the watch is
+    /// looked at whenever it asks to be.
     fn releases(beats: &[u64], gone: Option<u64>, until: u64) -> (Vec<u64>, Option<u64>) {
         let (mut watch, mut found, mut now) = (Watch::default(), Vec::new(), 0);
         let mut beats = beats.iter().map(|ms| ms * MS).peekable();

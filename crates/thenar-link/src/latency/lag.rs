@@ -1,4 +1,4 @@
-//! How much later one tracker sees a motion than another that sees the same.
+//! Lag of one tracker behind another that sees the same motion.
 
 use super::moving::{STEP, reach, speeds};
 use super::{ComparedPart, Doubt, MeasuredDelay, Trace, trusted};
@@ -26,7 +26,7 @@ const AS_GOOD: f64 = 0.9;
 /// ... if it stands apart from it by more than this \[s\].
 const APART: f64 = 0.1;
 
-/// What was found.
+/// Measured lag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
     /// By how much the device is later than its reference.

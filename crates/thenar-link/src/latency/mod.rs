@@ -1,5 +1,4 @@
-//! How late, how often and how steadily a tracker sees a hand, out of what it told while a person
-//! moved.
+//! Delay, rate and noise with which a tracker sees a hand, from its samples while a person moved.
 //!
 //! Pure: times and places in, figures out. Who measures asks trackers, keys and the person
 //! ([`Trace::take`]).
@@ -33,7 +32,7 @@ pub struct MeasuredDelay {
     pub mean: f64,
     /// Standard error of the mean \[s\].
     pub error: f64,
-    /// How many events it is the mean of.
+    /// Number of events in the mean.
     pub events: usize,
 }
 
@@ -53,11 +52,11 @@ pub enum Doubt {
     /// Too little happened.
     #[error("too few {what}: {count}, expected {wanted} or more")]
     TooFew {
-        /// What was counted.
+        /// Kind of the events counted.
         what: &'static str,
-        /// How many there were.
+        /// Number of them.
         count: usize,
-        /// How many are needed.
+        /// Number needed.
         wanted: usize,
     },
     /// The two saw different motions.
@@ -93,7 +92,7 @@ pub enum Doubt {
         /// Standard error of the mean \[s\].
         error: f64,
     },
-    /// What came first contradicts what came later.
+    /// The session's first half contradicts its second.
     #[error(
         "the session contradicts itself: {:.1} ms in its first half, {:.1} ms in its second",
         1e3 * *first, 1e3 * *second
@@ -107,17 +106,17 @@ pub enum Doubt {
     /// Too many events that are none.
     #[error("{odd} of {count} {what}: at most a third is left out")]
     Odd {
-        /// What is odd about them.
+        /// Description of the odd events.
         what: &'static str,
-        /// How many are odd.
+        /// Number of odd events.
         odd: usize,
-        /// How many there were.
+        /// Number of all events.
         count: usize,
     },
     /// A hand was to be still.
     #[error("the hand moved by {:.0} mm; it has to be held still", 1e3 * *by)]
     Moved {
-        /// How far \[m\].
+        /// Distance moved \[m\].
         by: f64,
     },
     /// A delay that no tracker has.
@@ -125,7 +124,7 @@ pub enum Doubt {
     Impossible {
         /// The delay \[s\].
         delay: f64,
-        /// What may be wrong.
+        /// Hint at what may be wrong.
         advice: &'static str,
     },
 }

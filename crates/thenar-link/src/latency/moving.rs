@@ -10,7 +10,7 @@ const REACH: f64 = 0.06;
 /// ... or, of a slow tracker, through this number of samples before and after.
 const REACH_SAMPLES: f64 = 2.5;
 
-/// How far a parabola reaches for trackers of these rates \[s\].
+/// Reach of a parabola for trackers of these rates \[s\].
 pub fn reach(rates: [f64; 2]) -> f64 {
     rates.into_iter().fold(REACH, |reach, rate| reach.max(REACH_SAMPLES / rate))
 }

@@ -1,4 +1,4 @@
-//! What a tracker told, sample by sample.
+//! Trace of a tracker, sample by sample.
 
 use crate::{HandSample, Tracker};
 use thenar_core::Vec3;
@@ -32,16 +32,16 @@ const BENDING: [[[usize; 2]; 3]; DIGITS] = [
 /// Part of a hand whose motion is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ComparedPart {
-    /// How far the fingers are bent.
+    /// Bending of the fingers.
     Fingers,
-    /// How fast the wrist goes.
+    /// Speed of the wrist.
     Wrist,
 }
 
 /// Sample of a trace: where a hand was when it was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceSample {
-    /// When it arrived \[s\].
+    /// Time of arrival \[s\].
     pub arrived: f64,
     /// Bending of each finger, all joints together \[rad\].
     pub flexion: [f64; DIGITS],
@@ -96,7 +96,7 @@ impl TraceSample {
 pub struct Trace {
     /// The samples that had a pose.
     pub seen: Vec<TraceSample>,
-    /// How many samples did not see the hand.
+    /// Number of samples that did not see the hand.
     pub unseen: usize,
 }
 
@@ -133,7 +133,7 @@ impl Trace {
         (gaps >= 9 && span > 0.0).then_some(gaps as f64 / span)
     }
 
-    /// What arrived between two times \[s\].
+    /// Samples that arrived between two times \[s\].
     pub fn between(&self, from: f64, to: f64) -> &[TraceSample] {
         let begin = self.seen.partition_point(|seen| seen.arrived < from);
         let end = self.seen.partition_point(|seen| seen.arrived <= to);

@@ -1,11 +1,11 @@
-//! How much later a tracker sees a finger stop than the key beneath it tells.
+//! Time from the report of a key to the stop of the finger on it, as a tracker sees it.
 
 use super::{Doubt, MeasuredDelay, Trace, TraceSample, trusted};
 
 /// From a key that moves to its character in a program \[s\]: 15 to 60 ms were measured of
 /// keyboards up to their cable (Luu 2017), most about 30.
 pub const KEY_DELAY: f64 = 0.03;
-/// How far that may be off either way, where nobody measured it \[s\].
+/// Uncertainty of that delay, either way, where nobody measured it \[s\].
 pub const KEY_DELAY_SPREAD: f64 = 0.015;
 
 /// A tap is looked for from this long before its key is reported \[s\] ...
@@ -24,8 +24,8 @@ const DWELL: f64 = 0.05;
 const SOON: f64 = 0.1;
 /// Taps that are needed.
 const TAPS: usize = 10;
-/// What lies further from the median, in median distances from it, is another motion; normal
-/// deviates do once in 7000.
+/// Distance from the median, in median distances, beyond which a motion is another one;
+/// normal deviates exceed it once in 7000.
 const STRAY: f64 = 5.7;
 
 /// Mean time from the report of a key to the stop of `finger` as the tracker sees it, over these
@@ -71,8 +71,8 @@ fn median(all: &[f64]) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// When the finger that comes down fastest here stops \[s\]: where the straight line of its
-/// greatest speed meets the level on which it stays.
+/// Time at which the finger that comes down fastest here stops \[s\]: where the straight line of
+/// its greatest speed meets the level on which it stays.
 fn stop(seen: &[TraceSample], finger: usize) -> Option<f64> {
     let down = |s: &TraceSample| -s.tips[finger].y;
     let stroke = |i: usize| {

@@ -4,7 +4,7 @@ use super::{Trace, TraceSample};
 use thenar_core::Vec3;
 use thenar_core::random::Random;
 
-/// Where a hand is at an instant.
+/// State of a hand at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Moment {
     pub flexion: [f64; 5],
@@ -40,7 +40,7 @@ fn normal(random: &mut Random) -> f64 {
 }
 
 impl Fake {
-    /// What it tells of a motion from 0 on.
+    /// Trace that the tracker makes of a motion from 0 on.
     pub fn watch(&self, seed: u64, seconds: f64, motion: &dyn Fn(f64) -> Moment) -> Trace {
         let mut random = Random::new(seed);
         let mut trace = Trace::default();

@@ -1,4 +1,4 @@
-//! What LucidGloves and OpenGloves firmware says in a line, in both encodings.
+//! Lines of LucidGloves and OpenGloves firmware, in both encodings.
 
 use std::str::FromStr;
 

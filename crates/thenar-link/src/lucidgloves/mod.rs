@@ -21,7 +21,7 @@ use crate::{Driver, FoundDevice, LinkError, Opened, Rendering};
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
-/// Where a glove calls over Wi-Fi.
+/// TCP port that a glove calls over Wi-Fi.
 pub const WIFI_PORT: u16 = 65432;
 
 /// `lucidgloves:PORT` and `lucidgloves:wifi`.

@@ -1,4 +1,4 @@
-//! What is particular to one LucidGlove.
+//! Profile of one LucidGlove.
 
 use super::encoding::State;
 use crate::profile::{Check, DigitAngles, Display, Link, Tracking, WearerHand, Wrist};
@@ -7,7 +7,7 @@ use thenar_core::model::Side;
 use thenar_touch::servo_stop;
 use thenar_track::ANGLES;
 
-/// What is shipped.
+/// Shipped profile.
 pub const SHIPPED: &str = include_str!("../../profiles/lucidgloves.toml");
 
 /// The file's content.
@@ -16,11 +16,11 @@ pub const SHIPPED: &str = include_str!("../../profiles/lucidgloves.toml");
 pub struct Profile {
     /// The hand that wears the glove.
     pub hand: WearerHand,
-    /// Where the wrist is.
+    /// Pose of the wrist.
     pub wrist: Wrist,
     /// The cable.
     pub link: Link,
-    /// When its samples come.
+    /// Timing of samples.
     pub tracking: Tracking,
     /// All sensors.
     pub sensors: Sensors,
@@ -68,8 +68,8 @@ impl Profile {
         [&self.thumb, &self.index, &self.middle, &self.ring, &self.little]
     }
 
-    /// Where the servos stop fingers at these curls of the wearer, thumb first. A servo's 0 to 1000
-    /// are all of its finger's travel, of which the wearer uses what `raw` says.
+    /// Servo positions that stop fingers at these curls of the wearer, thumb first. A servo's 0 to
+    /// 1000 cover all of its finger's travel, of which the wearer uses the range `raw`.
     pub fn stops(&self, curls: [Option<f64>; 5]) -> [u16; 5] {
         let digits = self.digits();
         std::array::from_fn(|d| {

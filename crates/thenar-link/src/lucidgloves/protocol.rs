@@ -36,9 +36,9 @@ const AHEAD_MAX: u32 = 1;
 pub struct LucidGloves {
     profile: Arc<Profile>,
     lines: Lines,
-    /// What the glove said last of each sensor.
+    /// Last value that the glove sent of each sensor.
     state: State,
-    /// Where the fingers shall be stopped, and where the glove was told to.
+    /// Stops wanted of the fingers, and stops last sent to the glove.
     wanted: [u16; 5],
     told: [u16; 5],
     /// Lines sent that answer none of the glove's.
@@ -48,7 +48,7 @@ pub struct LucidGloves {
     /// Most lines that may lie before the glove. One that has spoken as often waits for no answers:
     /// not every firmware does.
     unread: u32,
-    /// When the answer held back is due \[ns\].
+    /// Due time of the answer held back \[ns\].
     held_ns: Option<u64>,
     heard_ns: u64,
     nudged_ns: u64,

@@ -11,12 +11,12 @@ const LOOP_NS: u64 = 1_000_000;
 const BYTE_NS: u64 = 86_806;
 /// The firmware's buffer for a line \[bytes\].
 const BUFFER: usize = 100;
-/// What its serial port holds \[bytes\]; more is lost.
+/// Capacity of its serial port \[bytes\]; more is lost.
 const PORT_BUFFER: usize = 256;
 
 /// The glove.
 pub struct LucidGlovesTwin {
-    /// What its sensors measure.
+    /// Readings of its sensors.
     pub sensors: State,
     /// The servos: 0 free to 1000 blocked open.
     pub servos: [u16; 5],
@@ -27,9 +27,9 @@ pub struct LucidGlovesTwin {
     /// Lines that reached its serial port, read or not.
     pub lines_heard: u64,
     received: Vec<u8>,
-    /// When it says its next line; `None` while it waits for one.
+    /// Time of its next line; `None` while it waits for one.
     next_ns: Option<u64>,
-    /// When the last byte came that it waited for.
+    /// Start of its wait for a line, or arrival of the last byte in it.
     waiting_ns: u64,
 }
 

@@ -57,7 +57,7 @@ pub trait Runtime: Send {
     /// The session has ended.
     fn hands(&mut self) -> io::Result<Option<HandJoints>>;
 
-    /// What there is to tell a person, once.
+    /// Takes the pending message for a person, if any.
     fn note(&mut self) -> Option<&'static str> {
         None
     }

@@ -21,7 +21,7 @@ pub struct Session {
     /// Left, right.
     trackers: [HandTracker; 2],
     running: bool,
-    /// What there is to tell a person.
+    /// Message for a person.
     note: Option<&'static str>,
 }
 
@@ -29,7 +29,7 @@ fn lost(what: &str, cause: impl std::fmt::Display) -> io::Error {
     io::Error::new(ErrorKind::NotConnected, format!("{what}: {cause}"))
 }
 
-/// What stays so until somebody does something about it; told even where a loss was told before.
+/// Error that lasts until somebody acts on it; reported even after a loss was reported.
 fn lacking(what: String) -> io::Error {
     io::Error::new(ErrorKind::Unsupported, what)
 }

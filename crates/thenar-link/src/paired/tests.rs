@@ -162,7 +162,7 @@ fn duplicates_of_a_jumped_clock_are_no_news() {
     }
 }
 
-/// Where the wrist is, of a glove on a wrist that is held still at the origin.
+/// Pose of the wrist, for a glove on a wrist that is held still at the origin.
 fn wrist_of(tracker: &str, address: Option<&str>) -> Pose {
     let profile = Wrist {
         position: [0.0, 0.1, 0.07],

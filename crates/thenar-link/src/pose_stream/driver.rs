@@ -1,4 +1,4 @@
-//! How pose streams arrive.
+//! Driver of pose streams.
 
 use super::{PoseStream, UDP_PORT};
 use crate::options::Options;

@@ -17,10 +17,10 @@ const RADIUS_MAX: f64 = 0.5;
 /// Times are seconds of any clock within this (31 years) \[s\].
 const TIME_MAX: f64 = 1e9;
 
-/// Where in a line each of our joints stands.
+/// Place in a line of each of our joints.
 pub type Order = [usize; 25];
 
-/// What a line says.
+/// Content of a line.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // one at a time, by value
 pub enum Line {

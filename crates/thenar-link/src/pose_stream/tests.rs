@@ -170,7 +170,7 @@ fn what_is_wrong_is_named() {
     assert!(cause(&deep).contains("EOF"));
 }
 
-/// What passes the parser passes the simulation's own check, or is refused there without harm;
+/// Lines that pass the parser pass the simulation's own check, or are refused there without harm;
 /// the next good line is understood.
 #[test]
 fn damaged_streams_do_no_harm() {

@@ -1,4 +1,4 @@
-//! What follows the driver's name in an address: `place?key=value&key=value`.
+//! Part of an address after the driver's name: `place?key=value&key=value`.
 
 use crate::LinkError;
 use std::net::IpAddr;

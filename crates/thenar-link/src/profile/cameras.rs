@@ -14,7 +14,7 @@ const PAGE: &str = include_str!("../../profiles/page.toml");
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cameras {
-    /// When samples come, and how they scatter.
+    /// Timing of samples, and their scatter.
     pub tracking: Tracking,
 }
 
@@ -26,8 +26,8 @@ impl Check for Cameras {
     fn set_side(&mut self, _: Side) {}
 }
 
-/// What the profile of `driver` states of its samples: `shipped`, changed by this file or else by
-/// the user's own.
+/// Timing of samples that the profile of `driver` states: `shipped`, changed by this file or else
+/// by the user's own.
 ///
 /// # Errors
 /// The file cannot be read, or has a key or a value that does not fit.
@@ -41,7 +41,7 @@ pub fn camera_timing(
     Ok(profile.tracking.timing())
 }
 
-/// What is stated of poses from the page: as shipped, changed by the user's `page.toml`.
+/// Timing of poses from the page: as shipped, changed by the user's `page.toml`.
 ///
 /// # Errors
 /// As [`camera_timing`].

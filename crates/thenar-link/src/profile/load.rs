@@ -61,7 +61,7 @@ pub fn profile_name(driver: &str, address: &Address) -> String {
     source(driver, address).1
 }
 
-/// Where settings of this person are kept; `None` where the system has no place for them.
+/// Folder of this person's settings; `None` where the system has no place for them.
 pub fn settings_folder() -> Option<PathBuf> {
     let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     set("THENAR_CONFIG")
@@ -69,8 +69,8 @@ pub fn settings_folder() -> Option<PathBuf> {
         .or_else(|| Some(set("HOME")?.join(".config/thenar")))
 }
 
-/// Where a user's profile for this driver is kept, whether or not there is one: for this side if
-/// that exists, else for both. `None` where the system has no place for settings.
+/// Path of a user's profile for this driver, whether or not there is one: for this side if that
+/// exists, else for both. `None` where the system has no place for settings.
 pub fn user_file(driver: &str, side: Option<Side>) -> Option<PathBuf> {
     let folder = settings_folder()?.join("devices");
     let of_side = side.map(|side| match side {

@@ -1,5 +1,5 @@
-//! What is particular to a device and its wearer: rates, limits, stiffness, calibration, where the
-//! wrist is. Shipped for every driver; a user's file changes single keys.
+//! Profiles of a device and its wearer: rates, limits, stiffness, calibration, pose of the wrist.
+//! Shipped for every driver; a user's file changes single keys.
 
 mod address;
 mod cameras;

@@ -1,4 +1,4 @@
-//! What the profiles of several devices have in common.
+//! Parts that the profiles of several devices share.
 
 use crate::joints::in_reach;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! How bytes travel.
+//! Transports of bytes.
 
 mod pipe;
 mod place;

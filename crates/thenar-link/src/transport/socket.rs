@@ -38,7 +38,7 @@ pub fn notice_its_end(stream: &TcpStream) -> io::Result<()> {
     socket2::SockRef::from(stream).set_tcp_keepalive(&ask)
 }
 
-/// How long the other end has to take the last words, which set its actuators free.
+/// Time that the other end has to take the last words, which set its actuators free.
 const PARTING: Duration = Duration::from_millis(50);
 
 impl Drop for StreamTransport {

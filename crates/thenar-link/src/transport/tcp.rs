@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long a call may take.
+/// Longest time that a call may take.
 const CALL: Duration = Duration::from_secs(1);
 /// A peer that was silent for so long may lose its place to anybody.
 const PEER_SILENCE: Duration = Duration::from_secs(1);
-/// How often a served peer's place is looked for by another.
+/// Time between two checks for a call that takes a served peer's place.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// Calls `host:port`.
@@ -65,7 +65,7 @@ impl TcpServer {
         Self { faithful: true, ..self }
     }
 
-    /// Where it listens.
+    /// Address at which it listens.
     ///
     /// # Errors
     /// The system does not say.
@@ -115,7 +115,7 @@ pub struct ServedPeer {
     from: IpAddr,
     server: TcpServer,
     looked: Instant,
-    /// When it last spoke.
+    /// Time when the peer last spoke.
     heard: Option<Instant>,
 }
 

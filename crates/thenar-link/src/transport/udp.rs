@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
-/// When the peer was silent for so long, another may speak.
+/// Silence of the peer after which another may speak.
 const PEER_SILENCE: Duration = Duration::from_secs(1);
 
 /// One peer at a time: either a given one, or whoever speaks first. A second one is not heard until
@@ -51,7 +51,7 @@ impl UdpTransport {
         Ok(Self { socket, only, peer: None, connected: false, refused: 0 })
     }
 
-    /// Where it listens.
+    /// Address at which it listens.
     ///
     /// # Errors
     /// The system does not say.

@@ -3,13 +3,13 @@
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
-/// What can be waited for.
+/// Sources that can be waited for.
 #[cfg(target_os = "linux")]
 pub trait Waitable: std::os::fd::AsFd {}
 #[cfg(target_os = "linux")]
 impl<T: std::os::fd::AsFd> Waitable for T {}
 
-/// What can be waited for.
+/// Sources that can be waited for.
 #[cfg(not(target_os = "linux"))]
 pub trait Waitable {}
 #[cfg(not(target_os = "linux"))]

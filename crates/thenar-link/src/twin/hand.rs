@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use thenar_core::model::Side;
 use thenar_core::{Pose, Quat, Vec3};
 
-/// Where the first joint of each digit is, in a right wrist's frame (-z towards the fingers, +y out
+/// Position of each finger's first joint, in a right wrist's frame (-z towards the fingers, +y out
 /// of the back of the hand), and the lengths of the bones from there to the tip \[m\]. Fingers
 /// begin at their metacarpal.
 const FINGERS: [([f64; 3], [f64; 4]); 4] = [
@@ -13,7 +13,7 @@ const FINGERS: [([f64; 3], [f64; 4]); 4] = [
     ([0.011, 0.0, -0.034], [0.055, 0.046, 0.028, 0.025]),
     ([0.022, 0.0, -0.032], [0.050, 0.036, 0.020, 0.023]),
 ];
-/// How far each metacarpal turns towards the little finger \[rad\].
+/// Turn of each metacarpal towards the little finger \[rad\].
 const SPREAD: [f64; 4] = [-0.12, -0.02, 0.1, 0.2];
 const THUMB: ([f64; 3], [f64; 3]) = ([-0.020, -0.012, -0.025], [0.046, 0.033, 0.027]);
 /// Flexion of a closed finger's three joints, and of a thumb's \[rad\].
@@ -59,7 +59,7 @@ mod tests {
     use crate::joints::{WEBXR_OF_POINT, rebuild};
     use thenar_track::live::checked;
 
-    /// What other parts of the program say of such hands: they are sound, flex by what they were
+    /// Hands pass the checks of other parts of the program: they are sound, flex as they were
     /// curled, and their points alone give a hand again.
     #[test]
     fn it_is_a_hand() {

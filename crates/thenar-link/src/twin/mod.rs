@@ -22,7 +22,7 @@ pub trait Twin: Send {
     /// sensors move those along.
     fn set_curls(&mut self, curls: [f64; 5]);
 
-    /// What the wearer feels at each finger, 0 for nothing to 1 for the most it can; zeros for a
+    /// Sensation at each finger of the wearer, 0 for nothing to 1 for the most it can; zeros for a
     /// device without actuators.
     fn felt(&self) -> [f64; 5];
 }

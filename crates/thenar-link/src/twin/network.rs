@@ -24,7 +24,7 @@ const TURN: Duration = Duration::from_millis(1);
 const FRAME: Duration = Duration::from_millis(11);
 /// A host has so long to greet a player.
 const GREETING: Duration = Duration::from_secs(1);
-/// How far an arm's handle goes to either side \[m\].
+/// Travel of an arm's handle to either side \[m\].
 const REACH: f64 = 0.05;
 
 /// A thread, and what it shares with a person.

@@ -21,7 +21,7 @@ struct Shared<T> {
     stop: AtomicBool,
     /// Bytes that may still pass towards the host before the cable is pulled; `MAX` for ever.
     budget: AtomicU64,
-    /// What the twin says is lost.
+    /// True while all that the twin says is lost.
     hushed: AtomicBool,
     /// Bytes for the host that are not the twin's.
     noise: Mutex<Vec<u8>>,

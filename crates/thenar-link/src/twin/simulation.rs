@@ -15,7 +15,7 @@ pub struct SimulatedDevice {
     pub name: &'static str,
     /// The driver that opens it.
     pub driver: &'static str,
-    /// Where it is on the network unless another `HOST:PORT` is given; `None` for a device behind a
+    /// Default place on the network, replaced by another `HOST:PORT`; `None` for a device behind a
     /// terminal, whose place is a path.
     pub place: Option<&'static str>,
     start: fn(&str) -> io::Result<Box<dyn Simulation>>,
@@ -76,7 +76,7 @@ pub trait Simulation {
     /// moves in its own way, or not.
     fn set_curls(&self, curls: [f64; 5]);
 
-    /// What the wearer feels, for a person.
+    /// Sensation of the wearer, for a person.
     fn felt(&self) -> String;
 }
 

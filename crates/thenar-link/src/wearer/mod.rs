@@ -1,5 +1,5 @@
-//! What a wearer wants to feel at most: how much force on each finger, how slowly it comes after
-//! arming, how much softer.
+//! Comfort of a wearer: how much force on each finger at most, how slowly it comes after arming,
+//! how much softer.
 //!
 //! A small file for each person, `wearers/NAME.toml` beside the profiles of devices, with a table
 //! for each kind of device. It only ever takes away from what device and session allow ([`Worn`]).
@@ -25,7 +25,7 @@ const RAMP_MAX: f64 = 60.0;
 /// Largest force that can be meant \[N\], as in profiles of displays.
 const FORCE_MAX: f64 = 100.0;
 
-/// What is comfortable with one kind of device.
+/// Comfortable limits with one kind of device.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Comfort {
@@ -106,7 +106,7 @@ impl std::fmt::Display for Comfort {
 /// A person who wears devices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wearer {
-    /// Where it is written; `None` for somebody of whom nothing is.
+    /// File of the settings; `None` for somebody without any.
     pub file: Option<PathBuf>,
     devices: BTreeMap<String, Comfort>,
 }
@@ -146,7 +146,7 @@ impl Wearer {
         Ok(Self { file: Some(file.into()), devices })
     }
 
-    /// What is comfortable with devices of this driver.
+    /// Comfortable limits with devices of this driver.
     pub fn with(&self, driver: &str) -> Option<&Comfort> {
         self.devices.get(driver)
     }
@@ -165,8 +165,8 @@ pub fn keep(file: &Path, driver: &str, comfort: &Comfort) -> Result<(), LinkErro
     save(file, std::iter::once((driver.to_string(), table)).collect())
 }
 
-/// Where the settings of a wearer are kept, whether or not there are any; `None` where the system
-/// has no place for settings.
+/// Path of a wearer's settings, whether or not there are any; `None` where the system has no place
+/// for settings.
 ///
 /// # Errors
 /// The name is none for a file.

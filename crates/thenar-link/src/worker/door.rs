@@ -26,13 +26,13 @@ pub struct Door {
     /// The device holds one hand, and nobody said which.
     one_hand: bool,
     bound: Option<Side>,
-    /// When the hand that is bound asked for anything last \[ns\].
+    /// Time when the bound hand last asked for anything \[ns\].
     bore_ns: u64,
     /// Left, right.
     hands: [Passed; 2],
 }
 
-/// What passed of one hand.
+/// Outputs that passed for one hand.
 #[derive(Clone, Copy, Debug)]
 struct Passed {
     wanted: HandOutput,
@@ -66,8 +66,8 @@ impl Door {
         self.hands.iter_mut().for_each(|passed| passed.release(now_ns));
     }
 
-    /// What leaves at `now_ns` for a hand that is to be shown `new`, or goes on to what it was to
-    /// be shown; `None` when that is what the device shows.
+    /// Output that leaves at `now_ns` for a hand that is to be shown `new`, or else keeps its last
+    /// goal; `None` when the device shows it already.
     pub fn pass(
         &mut self,
         side: Side,
@@ -164,9 +164,9 @@ fn digit(wanted: &DigitOutput, sent: &DigitOutput, limits: &Limits, change: f64)
     }
 }
 
-/// Where a finger is stopped, from open (0) to a fist (1): it comes nearer by no more than
-/// `change`, in parts of that way, and makes room at once. With a force that is no number there is
-/// no stop either.
+/// Stop of a finger, from open (0) to a fist (1): it comes nearer by no more than `change`, in
+/// parts of that way, and makes room at once. With a force that is no number there is no stop
+/// either.
 fn stop(wanted: &DigitOutput, sent: &DigitOutput, change: f64) -> Option<f64> {
     let goal = wanted.curl_at_contact.filter(|c| c.is_finite() && wanted.pad_force.is_finite())?;
     let before = sent.curl_at_contact.unwrap_or(1.0);

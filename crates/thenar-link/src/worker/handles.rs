@@ -1,4 +1,4 @@
-//! What callers hold of a device.
+//! Handles of a device for its callers.
 
 use super::{CLOSING, DisplayTraits, Shared, TrackerTraits};
 use crate::{ForceDisplay, HandOutput, HandSample, Lookout, Messenger, Rendering, Tracker};

@@ -12,7 +12,7 @@ const AGAIN_NS: u64 = 1_000_000_000;
 #[derive(Default)]
 pub struct KeeperLink {
     keeping: Option<Keeping>,
-    /// When the next may be started \[ns\].
+    /// Time when the next keeper may be started \[ns\].
     due_ns: u64,
     /// The absence of a keeper was reported.
     told: bool,

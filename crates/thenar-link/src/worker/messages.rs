@@ -1,4 +1,4 @@
-//! What a device's thread has to tell a person: bounded, whatever the device does.
+//! Messages of a device's thread to a person: bounded, whatever the device does.
 
 use std::collections::VecDeque;
 
@@ -14,10 +14,10 @@ pub struct Messages {
     name: String,
     queue: VecDeque<String>,
     lost: u64,
-    /// When refused bytes were last reported, and how often they came since.
+    /// Time of the last report of refused bytes, and the number of refusals since.
     refused_ns: Option<u64>,
     refused: u64,
-    /// What the device last reported of itself, and when.
+    /// Last report of the device on itself, and its time.
     note: Option<(String, u64)>,
 }
 

@@ -52,25 +52,25 @@ const CLOSING: Duration = Duration::from_millis(1500);
 /// is not there now.
 pub type Connect = Box<dyn FnMut() -> io::Result<Box<dyn Transport>> + Send>;
 
-/// What a tracker knows beforehand.
+/// Traits of a tracker that are known beforehand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrackerTraits {
     /// Length of the wearer's hand, wrist to middle fingertip \[m\].
     pub hand_length: Option<f64>,
-    /// How often it samples, how late and how noisy.
+    /// Rate, delay and noise of the samples.
     pub timing: Option<TrackerTiming>,
 }
 
-/// What a display can do.
+/// Abilities of a display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplayTraits {
-    /// What it renders.
+    /// Kind of output that it renders.
     pub rendering: Rendering,
-    /// What its actuators may do.
+    /// Limits of its actuators.
     pub limits: Limits,
-    /// What they may turn with, if they turn anything.
+    /// Limits of its torque, if it turns anything.
     pub torque_limits: Option<Limits>,
-    /// What bounds the stiffness of a coupling to it.
+    /// Bounds on the stiffness of a coupling to the display.
     pub loop_profile: LoopProfile,
 }
 
@@ -78,9 +78,9 @@ pub struct DisplayTraits {
 pub struct Device {
     /// Driver and address, as `lucidgloves:/dev/ttyUSB0`; begins every message.
     pub name: String,
-    /// How it is reached.
+    /// Opens a transport to the device.
     pub connect: Connect,
-    /// What is spoken.
+    /// Protocol of the device.
     pub protocol: Box<dyn Protocol>,
     /// Set if it tells where hands are.
     pub tracks: Option<TrackerTraits>,
@@ -136,7 +136,7 @@ impl Device {
     }
 }
 
-/// What thread and callers share besides the slots.
+/// State that thread and callers share besides the slots.
 struct Shared {
     /// The thread shall end.
     stop: AtomicBool,
@@ -144,7 +144,7 @@ struct Shared {
     display_closed: AtomicBool,
     /// The thread has said its last words.
     ended: AtomicBool,
-    /// When the device was last heard \[ns\]; 0 for never.
+    /// Time when the device was last heard \[ns\]; 0 for never.
     heard_ns: AtomicU64,
     /// The transport is open.
     connected: AtomicBool,

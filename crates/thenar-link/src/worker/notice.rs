@@ -60,7 +60,7 @@ impl Away {
 
 /// Tells of a device that can be reached and says nothing, and when it speaks again.
 pub struct Silence {
-    /// When it was reached, or last said something that made sense \[ns\].
+    /// Time when the device was reached, or last made sense \[ns\].
     since_ns: u64,
     /// True if the device said something that made sense in this session.
     spoke: bool,

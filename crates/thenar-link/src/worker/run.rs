@@ -1,4 +1,4 @@
-//! What the thread does.
+//! Work of the thread.
 
 use super::door::Door;
 use super::handles::slot;
@@ -40,9 +40,9 @@ pub struct Worker {
     ends: Ends,
     /// Time of each side's newest sample \[ns\].
     sample_ns: [u64; 2],
-    /// When each side's output came that is being shown \[ns\]; `None` when released.
+    /// Arrival of the output shown for each side \[ns\]; `None` when released.
     shown_ns: [Option<u64>; 2],
-    /// What stands before the wire.
+    /// Guard before the wire.
     door: Door,
 }
 
@@ -205,7 +205,7 @@ impl Link<'_> {
     }
 }
 
-/// What becomes of an event.
+/// Handles an event.
 fn take(
     event: Event,
     now: u64,

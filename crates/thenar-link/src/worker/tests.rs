@@ -11,10 +11,10 @@ use thenar_track::live::LivePose;
 /// Longest that anything may take on a busy machine before a test gives up.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What the device says; dropping it is unplugging.
+/// Bytes that the device says; dropping the sender unplugs it.
 type Plug = Sender<Vec<u8>>;
 
-/// What the device will say, and who hears what is sent to it.
+/// Ends of a cable: what the device will say, and who hears what is sent to it.
 type Socket = (Receiver<Vec<u8>>, Sender<Vec<u8>>);
 
 /// A device whose cable a test holds.

@@ -15,7 +15,7 @@ use thenar_core::Vec3;
 const SPACING: f64 = 0.5;
 /// Part of the thickness over which distances blend.
 const BLEND: f64 = 0.5;
-/// As many grid points as memory should be spent on.
+/// Most grid points that memory should be spent on.
 const POINTS_MAX: f64 = 3e7;
 
 /// Distances on a grid.

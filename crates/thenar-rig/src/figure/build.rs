@@ -151,8 +151,8 @@ impl Plan {
     }
 }
 
-/// Where each bone begins and ends in M: from its joint to the middle of its children's, or past
-/// the middle of what it carries.
+/// Ends of each bone in M: from its joint to the middle of its children's, or past the middle of
+/// what it carries.
 fn ends(plan: &Plan) -> Vec<[Vec3; 2]> {
     let begins: Vec<Vec3> = plan.bones.iter().map(begin).collect();
     let of = |b: usize| {

@@ -1,5 +1,5 @@
-//! What the descriptions of robots have in common: links with joints between them, fixed and
-//! weightless ones among them, of which a [`Plan`] of bones is made.
+//! Common form of descriptions of robots: links with joints between them, fixed and weightless ones
+//! among them, of which a [`Plan`] of bones is made.
 
 mod combine;
 mod mass;
@@ -35,13 +35,13 @@ const LISTED: usize = 8;
 pub(super) struct Draft {
     /// Name of the figure; empty where it has none.
     pub name: String,
-    /// What the format calls a link.
+    /// Word for a link in the format.
     pub noun: &'static str,
     /// All links.
     pub links: Vec<Link>,
     /// Joints that follow others.
     pub follows: Vec<Follows>,
-    /// What was changed or passed over.
+    /// Notes on what was changed or passed over.
     pub notes: Vec<String>,
 }
 

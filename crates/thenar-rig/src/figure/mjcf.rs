@@ -36,7 +36,7 @@ const SILENT: [&str; 9] = [
     "equality",
 ];
 
-/// What reading needs of the file besides the bodies.
+/// Context of reading: all that is needed of the file besides the bodies.
 struct Context<'a> {
     settings: Settings,
     classes: Classes<'a>,
@@ -45,7 +45,7 @@ struct Context<'a> {
     notes: Notes<'a>,
 }
 
-/// What figures leave out, gathered while bodies are read.
+/// Details that figures leave out, gathered while bodies are read.
 #[derive(Default)]
 struct Notes<'a> {
     /// Ball joints whose range is dropped.
@@ -100,7 +100,7 @@ fn check_root(root: Element<'_>) -> Result<(), RigError> {
     }
 }
 
-/// What is told of sections that are passed over.
+/// Note on sections that are passed over.
 fn sections(root: Element<'_>) -> Option<String> {
     let other: BTreeSet<&str> =
         root.children().map(Element::tag).filter(|tag| !SILENT.contains(tag)).collect();

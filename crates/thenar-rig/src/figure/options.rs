@@ -5,7 +5,7 @@ use crate::error::positive;
 use thenar_core::Vec3;
 use thenar_core::model::{AngleLimit, JointKind, Law, Material};
 
-/// How a figure is built.
+/// Options for building a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureOptions {
     /// Name of the figure.
@@ -86,7 +86,7 @@ impl FigureOptions {
     }
 }
 
-/// What is changed about joints.
+/// Changes to joints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointChange {
     /// Name of the joint or of its bone; a `*` at the end stands for any ending.

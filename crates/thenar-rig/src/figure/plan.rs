@@ -1,4 +1,4 @@
-//! What a file says of a figure, before it has flesh.
+//! Plan of a figure as its file describes it, before it has flesh.
 
 use super::mimic::Mimic;
 use crate::TriMesh;
@@ -18,7 +18,7 @@ pub struct Plan {
     pub skin: Option<PlanSkin>,
     /// Joints that follow others; joint i carries bone i + 1.
     pub mimics: Vec<Mimic>,
-    /// What was changed or passed over, one sentence each, for whoever builds the figure.
+    /// Notes on what was changed or passed over, one sentence each, for whoever builds the figure.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What there is to know about a built figure.
+//! Report on a built figure.
 
 use super::mimic::Mimic;
 use super::plan::Plan;
@@ -27,7 +27,7 @@ pub struct FigureReport {
     pub left_out: usize,
     /// Mean part of a node's weights in the file on bones other than the two that it follows.
     pub lost_weight: f64,
-    /// What was changed or passed over in the file.
+    /// Notes on what was changed or passed over in the file.
     pub notes: Vec<String>,
 }
 

@@ -83,7 +83,7 @@ pub fn mass(solids: &[PlanSolid], density: f64) -> Result<(f64, Vec3, Mat3), Rig
     Ok((mass, centre, inertia))
 }
 
-/// What a body's inertia grows by when it is taken about a point `d` off its centre of mass.
+/// Growth of a body's inertia when it is taken about a point `d` off its centre of mass.
 fn steiner(mass: f64, d: &Vec3) -> Mat3 {
     (Mat3::identity() * d.norm_squared() - d * d.transpose()) * mass
 }

@@ -74,7 +74,7 @@ fn check_expanded(robot: Element<'_>) -> Result<(), RigError> {
     }
 }
 
-/// What the file says and figures leave out.
+/// Notes on what the file says and figures leave out.
 fn notes(robot: Element<'_>, tree: &Tree<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let told = |child: &str, attributes: &[&str]| {

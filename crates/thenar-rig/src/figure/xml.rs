@@ -148,7 +148,7 @@ impl<'a> Element<'a> {
         self.get(name).map(Attribute::numbers).transpose()
     }
 
-    /// What is wrong with the element, naming it and its line.
+    /// Returns an error that names the element and its line, and says what is wrong.
     pub fn error(self, what: impl std::fmt::Display) -> RigError {
         let line = self.node.document().text_pos_at(self.node.range().start).row as usize;
         RigError::line(line, format!("<{}>: {what}", self.tag()))
@@ -205,7 +205,7 @@ impl<'a> Attribute<'a> {
         found.ok_or_else(|| self.error(&format!("one of {}", words.join(", "))))
     }
 
-    /// What the text should be and is not.
+    /// Returns an error that says what the text should be and what it is.
     pub fn error(self, expected: &str) -> RigError {
         let found = quoted(self.value);
         self.element.error(format!("{} must be {expected}, not {found}", self.name))

@@ -157,8 +157,8 @@ impl<'a> Bender<'a> {
         if self.world.restore(&state) { Ok(poses) } else { Err(no_rest()) }
     }
 
-    /// Where bones and flesh lie with one axis turned by `turn` \[rad\] from rest, in the model
-    /// frame \[m\].
+    /// Returns the poses of bones and the places of nodes with one axis turned by `turn` \[rad\]
+    /// from rest, in the model frame \[m\].
     ///
     /// # Errors
     /// The flesh finds no rest.
@@ -181,7 +181,7 @@ impl<'a> Bender<'a> {
     }
 }
 
-/// How each bone has moved from rest, in the model frame.
+/// Movement of each bone from rest, in the model frame.
 pub(super) fn moves(hand: &HandModel, poses: &[Pose]) -> Vec<Pose> {
     let moved = poses.iter().zip(&hand.bones);
     moved.map(|(pose, bone)| *pose * bone.pose_MB.inverse()).collect()

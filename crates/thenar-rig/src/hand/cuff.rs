@@ -8,9 +8,9 @@ use thenar_core::model::{Digit, HandModel};
 
 /// Directions around the wrist.
 const AROUND: usize = 64;
-/// How long it is, of the length of a hand: 26 mm of 190.
+/// Length of the cuff, of the length of a hand: 26 mm of 190.
 const LONG: f64 = 26.0 / 190.0;
-/// How far it is off the skin, of the length of a hand: 1.5 mm of 190.
+/// Distance from cuff to skin, of the length of a hand: 1.5 mm of 190.
 const OFF: f64 = 1.5 / 190.0;
 /// Rounds in which its outline is smoothed: over some 20° to either side.
 const SMOOTHINGS: usize = 6;
@@ -88,7 +88,7 @@ pub fn cuff(hand: &HandModel) -> Option<TriMesh> {
     Some(mesh)
 }
 
-/// How far the skin reaches in each direction around the wrist \[m\], smoothed but nowhere less.
+/// Reach of the skin in each direction around the wrist \[m\], smoothed but nowhere less.
 fn outline(points: impl Iterator<Item = [f64; 2]>) -> [f64; AROUND] {
     let points: Vec<[f64; 2]> = points.collect();
     // What the tangent at right angles to a direction is off: smooth, and outside of all points.

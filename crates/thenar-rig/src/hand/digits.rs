@@ -15,7 +15,7 @@ use thenar_core::{Pose, Vec3};
 #[derive(Clone, Debug)]
 pub(super) struct DigitRig {
     pub digit: Digit,
-    /// Where the digit's ray leaves the wrist: the base of the metacarpal.
+    /// Place at which the digit's ray leaves the wrist: the base of the metacarpal.
     pub base: Vec3,
     /// Tracked joints at the proximal ends of the three moving bones.
     pub joints: [Pose; 3],
@@ -88,7 +88,7 @@ pub(super) fn read(
 /// Steps on the way out of the skin at most.
 pub(super) const WAY_MAX: usize = 64;
 
-/// Where a ray from inside leaves the skin, by steps of the distance to it.
+/// Finds the place at which a ray from inside leaves the skin, by steps of the distance to it.
 pub(super) fn leave(surface: &Bvh, from: &Vec3, along: &Vec3, length: f64) -> Vec3 {
     let mut at = *from;
     for _ in 0..WAY_MAX {

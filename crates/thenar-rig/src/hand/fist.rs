@@ -9,7 +9,7 @@ use thenar_core::{Pose, Vec3};
 /// Elements turned inside out.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Inversions {
-    /// How many.
+    /// Number of elements.
     pub tets: usize,
     /// The part of the body's volume in them, 0..1.
     pub volume_fraction: f64,

@@ -1,5 +1,5 @@
-//! How fine a hand's flesh is, and where: pads finest, fingers and knuckles twice as coarse, palm
-//! and back of the hand four times.
+//! Grading of a hand's flesh: pads finest, fingers and knuckles twice as coarse, palm and back of
+//! the hand four times.
 
 use super::digits::DigitRig;
 use super::regions;

@@ -71,7 +71,7 @@ pub(super) fn bone_nodes(
     held.into_iter().filter(|held| stays(held) || !kept[held.binding.bones[0] as usize]).collect()
 }
 
-/// What each node has of each bone, whose inside points and volume \[m³\] these are.
+/// Share of each bone's volume \[m³\] that each node has; `points` are the bones' inside points.
 pub(crate) fn shares(lattice: &Lattice, points: &[Vec<usize>], volumes: &[f64]) -> Vec<Shares> {
     let mut shares: Vec<Shares> = vec![Shares::new(); lattice.nodes.len()];
     for (b, (points, volume)) in points.iter().zip(volumes).enumerate() {

@@ -1,5 +1,5 @@
-//! Where the flesh of a hand is loose: over its joints, around the roots of its digits, and in the
-//! webs between them.
+//! Loose flesh of a hand: over its joints, around the roots of its digits, and in the webs between
+//! them.
 //!
 //! Skin folds and slides over a joint, and between the roots of two fingers lies a fold of skin
 //! with loose fat in it: a finger is bent beside a straight one with a few newton centimetres.
@@ -29,7 +29,7 @@ pub(super) struct Softness {
     pub root: f64,
 }
 
-/// How much every inside point of a lattice lies in loose flesh, from 0 to 1.
+/// Degree to which every inside point of a lattice lies in loose flesh, from 0 to 1.
 pub(super) struct Loose {
     joint: Vec<f64>,
     root: Vec<f64>,
@@ -60,7 +60,7 @@ impl Loose {
     }
 }
 
-/// How much a place that is no finger's alone lies at the root of a digit or in a web.
+/// Degree to which a place that is no finger's alone lies at the root of a digit or in a web.
 fn at_root(p: &Vec3, digits: &[DigitRig]) -> f64 {
     let mut distances: Vec<f64> =
         digits.iter().map(|rig| regions::digit_distance(p, rig)).collect();

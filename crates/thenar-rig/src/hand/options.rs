@@ -1,14 +1,14 @@
-//! What a hand is to be like.
+//! Options for building a hand.
 
 use super::layers::{self, Layer};
 use super::names::NameMap;
 use crate::RigError;
 use thenar_core::model::{CouplingKind, Law, Material, Side};
 
-/// How large a hand is built.
+/// Size to which a hand is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// As the file has it; where no hand is so long, in the unit that makes it one of people's.
+    /// Size in the file; where no hand is so long, in the unit that makes it one of people's.
     Own,
     /// The mesh times this.
     Scale(f64),
@@ -16,12 +16,12 @@ pub enum Size {
     Length(f64),
 }
 
-/// Where the springs of joints come from.
+/// Source of the springs of joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Springs {
     /// From a table, beside what the bent flesh gives, whatever that is.
     Fixed,
-    /// What the bent flesh leaves of the stiffness that is measured at the joints of the living;
+    /// Remainder that the bent flesh leaves of the stiffness measured at the joints of the living;
     /// dampers by a damping ratio.
     Rest,
 }
@@ -37,7 +37,7 @@ pub struct HandOptions {
     pub size: Size,
     /// Wanted number of tetrahedra, all of one size, where there is no `detail`.
     pub tets: usize,
-    /// How fine a graded mesh is, from 0.25 to 1.5: at 1, on a hand of 190 mm, cubes of 4 mm at the
+    /// Detail of a graded mesh, from 0.25 to 1.5: at 1, on a hand of 190 mm, cubes of 4 mm at the
     /// pads of the fingers, 8 mm along the fingers and at the knuckles, 16 mm in palm and back; all
     /// are proportional to the hand's length and to 1/detail. The surface that touches is at least
     /// as fine.
@@ -51,7 +51,7 @@ pub struct HandOptions {
     /// Young's modulus, relative likewise, around the roots of the digits and in the webs between
     /// them, where fat is loose, in (0, 1].
     pub root_softness: f64,
-    /// Where the springs of joints come from.
+    /// Source of the springs of joints.
     pub springs: Springs,
     /// Layers with materials of their own; `joint_softness` acts on them too.
     pub layers: Vec<Layer>,
@@ -73,8 +73,8 @@ pub struct HandOptions {
     pub meshes: Vec<String>,
 }
 
-/// How fine the hand for touch is. An index pad pressed on a plate at 30° sinks by 1.4 mm at 1 N
-/// with cubes of 6.7 mm there.
+/// Detail of the hand for touch. An index pad pressed on a plate at 30° sinks by 1.4 mm at 1 N with
+/// cubes of 6.7 mm there.
 const TOUCH_DETAIL: f64 = 0.6;
 
 /// Flesh around the roots of the digits of a hand for touch: 5 kPa beside 50. Fat under the skin

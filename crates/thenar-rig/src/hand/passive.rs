@@ -1,5 +1,5 @@
-//! How much the joints of a hand resist being turned, bent flesh included, and the springs that
-//! make up what flesh leaves.
+//! Resistance of a hand's joints to being turned, bent flesh included, and the springs that make up
+//! what flesh leaves.
 //!
 //! The stiffness of a joint's axis is what a torque about it alone meets while all other joints
 //! give way, as they do when a person's knuckle is measured. With the flesh's matrix F (`bend`) and
@@ -24,8 +24,8 @@ use thenar_core::model::{Bone, Digit, HandModel, JointDesc, JointKind};
 
 /// Length for which figures are given \[m\].
 const LENGTH: f64 = 0.19;
-/// How far joints are turned for measuring, to both sides: flexion as far as 10 N mm turn a
-/// knuckle, and sideways a third \[rad\].
+/// Turns of joints for measuring, to both sides: flexion as far as 10 N mm turn a knuckle, and
+/// sideways a third \[rad\].
 const TURNS: [f64; 2] = [0.26, 0.09];
 /// Damping ratio of a joint with all beyond it: by itself it would go past its rest by 5 % of the
 /// way. Relaxed fingers hardly swing (recalled); those of the hand for touch, whose flesh is damped
@@ -37,7 +37,7 @@ const ROUNDS: usize = 60;
 /// bits.
 const DIGITS: i32 = 3;
 
-/// How one axis of a joint resists being turned. Stiffness in N m/rad.
+/// Resistance of one axis of a joint to being turned. Stiffness in N m/rad.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct JointStiffness {
     /// Name of the joint.
@@ -46,19 +46,19 @@ pub struct JointStiffness {
     pub axis: &'static str,
     /// Range \[°\].
     pub range_deg: Option<[f64; 2]>,
-    /// What a torque about this axis meets, all other joints giving way.
+    /// Stiffness that a torque about this axis meets, all other joints giving way.
     pub total: f64,
-    /// What of that the bent flesh gives.
+    /// Part of the total that the bent flesh gives.
     pub flesh: f64,
-    /// What the flesh would give if all other joints were held.
+    /// Stiffness that the flesh would give if all other joints were held.
     pub flesh_held: f64,
     /// Stiffness of the spring \[N m/rad\].
     pub spring: f64,
     /// Damper \[N m s/rad\].
     pub damping: f64,
-    /// What is wanted of the total.
+    /// Wanted total stiffness.
     pub wanted: f64,
-    /// Where people's joints lie, where that was measured.
+    /// Range of people's joints, where that was measured.
     pub band: Option<[f64; 2]>,
 }
 
@@ -83,7 +83,7 @@ fn wanted(digit: Digit, place: usize, flexion: bool) -> (f64, Option<[f64; 2]>) 
     }
 }
 
-/// How all axes of a hand's joints resist, with the springs that they have.
+/// Returns the resistance of all axes of a hand's joints, with the springs that they have.
 ///
 /// # Errors
 /// The hand makes no world, or the work would be too much.
@@ -111,7 +111,7 @@ pub(super) fn fill_up(hand: &mut HandModel) -> Result<Vec<JointStiffness>, RigEr
     Ok(measured.rows(hand))
 }
 
-/// What the flesh of a hand does when its joints are turned.
+/// Resistance of a hand's flesh when its joints are turned.
 struct Measured {
     axes: Vec<AxisOf>,
     /// Stiffness of the flesh \[N m/rad\], symmetric.
@@ -162,7 +162,7 @@ fn goal(hand: &HandModel, axis: AxisOf) -> (f64, Option<[f64; 2]>) {
     (wanted * scale, band.map(|band| band.map(|k| k * scale)))
 }
 
-/// What a torque about each axis alone meets, with springs beside the flesh.
+/// Stiffness that a torque about each axis alone meets, with springs beside the flesh.
 fn totals(flesh: &DMatrix<f64>, springs: &[f64]) -> Vec<f64> {
     let mut whole = flesh.clone();
     for (i, spring) in springs.iter().enumerate() {

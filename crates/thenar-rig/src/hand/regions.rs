@@ -1,4 +1,4 @@
-//! Which part of the body belongs to which digit.
+//! Regions of the body that belong to each digit.
 //!
 //! Near its root a finger is one body with its neighbours (the web); only beyond that is it a
 //! finger of its own. Inside points are first given to the digit whose bone is nearest; then, along

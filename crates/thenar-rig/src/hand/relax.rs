@@ -13,7 +13,7 @@ use thenar_core::model::{Binding, Digit, HandModel};
 
 /// Rounds of evening out; most elements that can be saved are after a dozen.
 const ROUNDS: usize = 24;
-/// How far the hand is closed when elements are looked at.
+/// Degrees of the hand's closing at which elements are looked at.
 const CLOSINGS: [f64; 3] = [0.5, 0.75, 1.0];
 /// Comparisons of a point with a triangle that take as long as to skin and measure a tetrahedron,
 /// about.
@@ -81,8 +81,8 @@ fn moved(places: &[Place], n: usize, neighbours: &[u32]) -> Place {
     (digit, s + STEP * (mean - s))
 }
 
-/// What another node's place means on the chain of digit `d`. Fingers bend alike, so a finger's
-/// place is taken as it is on another finger, up to the web; the thumb goes its own way.
+/// Place on the chain of digit `d` that stands for another node's. Fingers bend alike, so a
+/// finger's place is taken as it is on another finger, up to the web; the thumb goes its own way.
 fn seen_from(d: usize, place: &Place) -> f64 {
     let thumb = Digit::FINGERS.iter().position(|&f| f == Digit::Thumb);
     match place.0 {

@@ -1,4 +1,4 @@
-//! What there is to know about a built hand.
+//! Report on a built hand.
 
 use super::digits::DigitRig;
 use super::fist::{Inversions, fist};
@@ -11,7 +11,7 @@ use crate::mesh::{Hole, Topology};
 use crate::{RigError, TriMesh};
 use thenar_core::model::{Digit, HandModel};
 
-/// How a rig was read.
+/// Reading of a rig: units, axes, and what had to be mended.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct RigReading {
     /// Factor on the file's coordinates.
@@ -46,7 +46,7 @@ pub struct JoinedMeshes {
 /// Figures of a built hand.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct HandReport {
-    /// How the rig was read.
+    /// Reading of the rig.
     pub rig: RigReading,
     /// The skin as read, welded.
     pub skin: Topology,
@@ -81,12 +81,12 @@ pub struct HandReport {
     pub bone_lengths: Vec<BoneLength>,
     /// Solids of the bones and the flesh over them.
     pub bone_covers: Vec<BoneCover>,
-    /// How joints resist being turned, axis by axis, where their springs are what flesh leaves. Of
-    /// other hands [`joint_stiffness`](super::joint_stiffness) tells.
+    /// Resistance of joints to being turned, axis by axis, where their springs are what flesh
+    /// leaves. For other hands, see [`joint_stiffness`](super::joint_stiffness).
     pub joints: Vec<JointStiffness>,
 }
 
-/// How thick the solid of a bone is, and how much flesh covers it in the rest pose.
+/// Thickness of a bone's solid, and of the flesh that covers it in the rest pose.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct BoneCover {
     /// Name of the bone.

@@ -72,11 +72,11 @@ pub(super) fn solids(
 
 /// Places on the surface of a box.
 const BOX_PLACES: usize = 6 * SAMPLES * SAMPLES;
-/// How often a box is made smaller at most: a hundred attempts leave a twentieth, which lies within
+/// Most times that a box is made smaller: a hundred attempts leave a twentieth, which lies within
 /// any palm that has flesh at all.
 const ATTEMPTS: usize = 100;
 
-/// Where flesh is measured, and what that may cost.
+/// Surface below which flesh is measured, and the work that this may cost.
 struct Skin<'a> {
     surface: &'a Bvh,
     stage: Stage,
@@ -105,13 +105,13 @@ impl<'a> Skin<'a> {
         self.stage.at_most(self.asked)
     }
 
-    /// How far a place is below the skin \[m\], negative outside.
+    /// Depth of a place below the skin \[m\], negative outside.
     fn depth(&mut self, p: &Vec3) -> Result<f64, RigError> {
         self.ask()?;
         Ok(-self.surface.signed_distance(p))
     }
 
-    /// How far the skin is from a place below it in a direction \[m\].
+    /// Distance to the skin from a place below it in a direction \[m\].
     fn way(&mut self, p: &Vec3, direction: &Vec3) -> Result<f64, RigError> {
         let mut way = 0.0;
         for _ in 0..RAY_STEPS {
@@ -258,8 +258,8 @@ fn least_depth(places: &[Vec3], skin: &mut Skin) -> Result<f64, RigError> {
     places.iter().try_fold(f64::INFINITY, |least, place| Ok(least.min(skin.depth(place)?)))
 }
 
-/// How far the axis of a bone can be moved out of the back of the hand \[m\] so that none of it is
-/// nearer than `left` to the skin, in any direction; nothing where that is nowhere so.
+/// Distance by which the axis of a bone can be moved out of the back of the hand \[m\] so that none
+/// of it is nearer than `left` to the skin, in any direction; 0 where none will do.
 fn rise(bone: &Bone, axis: &[Vec3], left: f64, skin: &mut Skin) -> Result<f64, RigError> {
     let back = bone.pose_MB.vector(&Vec3::y());
     let mut raised = f64::INFINITY;

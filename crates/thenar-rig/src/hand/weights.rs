@@ -15,7 +15,7 @@ const SECOND: f64 = 0.42;
 /// the first bone is so short that the second ramp is. A thumb's, which bends less, has half.
 const FURTHER: f64 = 0.5;
 
-/// What the binding of nodes needs to know of each digit.
+/// Chain of each digit, as the binding of nodes needs it.
 pub(super) fn chains(digits: &[DigitRig]) -> Vec<Chain> {
     digits
         .iter()
@@ -58,8 +58,8 @@ pub(super) fn binding(p: &Vec3, own: Digit, digits: &[DigitRig], chains: &[Chain
     best
 }
 
-/// How firmly digit `d` holds a point against the palm and the other digits: fading to nothing
-/// where a rival is as near, so that the weights are continuous there.
+/// Hold of digit `d` on a point against the palm and the other digits: fading to nothing where a
+/// rival is as near, so that the weights are continuous there.
 fn hold(d: usize, own: Digit, distances: &[f64], palm: f64) -> f64 {
     const THUMB: usize = 0;
     let nearer = |rival: f64| (rival - distances[d]) / (rival + distances[d]).max(1e-9);

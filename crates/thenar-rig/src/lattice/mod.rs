@@ -37,7 +37,7 @@ use samples::Samples;
 use support::SUPPORT_MIN;
 use thenar_core::{Quat, Vec3};
 
-/// How fine and how turned.
+/// Fineness and orientation of a lattice.
 #[derive(Clone, Copy, Debug)]
 pub struct LatticeOptions {
     /// Wanted number of tetrahedra; met within about ±10 %.
@@ -51,7 +51,7 @@ pub struct LatticeOptions {
 pub struct Grading {
     /// Edge of the coarsest cubes \[m\].
     pub coarse: f64,
-    /// How often they may be halved.
+    /// Number of times that cubes may be halved.
     pub halvings: usize,
 }
 

@@ -1,4 +1,4 @@
-//! How well shaped the elements are.
+//! Quality of the elements' shapes.
 
 use super::tet::{self, Corners};
 

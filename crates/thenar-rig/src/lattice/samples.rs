@@ -223,8 +223,8 @@ fn cast_rays(
     rays
 }
 
-/// Where the ray through (a, b) meets a triangle. Side tests use each edge's vertices in index
-/// order, so that two triangles that share an edge agree exactly on which of them is hit.
+/// Returns where the ray through (a, b) meets a triangle. Side tests use each edge's vertices in
+/// index order, so that two triangles that share an edge agree exactly on which of them is hit.
 fn hit(triangle: &[u32; 3], p: &[Vec3; 3], axis: usize, a: f64, b: f64) -> Option<(f64, i32)> {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut area = [0.0; 3];

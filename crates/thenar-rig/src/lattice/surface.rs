@@ -6,7 +6,7 @@ use crate::{RigError, TriMesh};
 use thenar_core::Vec3;
 use thenar_core::model::{EmbeddedSurface, SurfaceVertex};
 
-/// How far to look for inside points, in grid steps, nearest first.
+/// Reaches of the search for inside points, in grid steps, nearest first.
 const REACHES: [i64; 4] = [1, 2, 4, 8];
 
 impl Lattice {

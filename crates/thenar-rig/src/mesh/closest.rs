@@ -2,7 +2,7 @@
 
 use thenar_core::Vec3;
 
-/// Where on a triangle a point lies.
+/// Part of a triangle on which a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {
     /// Inside the triangle.
@@ -22,7 +22,7 @@ pub struct Closest {
     pub point: Vec3,
     /// Barycentric coordinates of the closest point in the triangle: non-negative, of sum 1.
     pub weights: [f64; 3],
-    /// Where on the triangle it lies.
+    /// Part of the triangle on which the point lies.
     pub feature: Feature,
     /// Distance \[m\].
     pub distance: f64,

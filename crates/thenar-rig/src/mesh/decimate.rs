@@ -113,7 +113,7 @@ struct Work {
     heap: BinaryHeap<Reverse<Candidate>>,
     /// Triangles looked at so far.
     looked: usize,
-    /// As many when they were last told.
+    /// Triangles looked at when progress was last reported.
     told: usize,
     stage: Stage,
     /// Triangles at first, and now.

@@ -8,7 +8,7 @@ use crate::{RigError, TriMesh};
 use thenar_core::Vec3;
 use thenar_core::shape::DistanceGrid;
 
-/// How fine a distance grid is.
+/// Resolution of a distance grid.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct GridOptions {
     /// Cells along the longest side of the mesh, 4 to 256.
@@ -27,12 +27,12 @@ impl Default for GridOptions {
     }
 }
 
-/// What the inside of a mesh is.
+/// Definition of a mesh's inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Inside {
-    /// Where the generalised winding number is at least ½.
+    /// Points whose generalised winding number is at least ½.
     Winding,
-    /// What lies nearer to the surface than half this thickness \[m\].
+    /// Points nearer to the surface than half this thickness \[m\].
     Shell(f64),
 }
 
@@ -149,7 +149,7 @@ impl Laying<'_> {
     }
 }
 
-/// Where a grid point lies.
+/// Position of a grid point.
 fn place(grid: &DistanceGrid, at: [u32; 3]) -> Vec3 {
     grid.origin + Vec3::from(at.map(f64::from)) * grid.cell
 }

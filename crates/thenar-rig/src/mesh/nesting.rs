@@ -1,4 +1,4 @@
-//! Which pieces of a mesh lie within others.
+//! Nesting of a mesh's pieces: those that lie within others.
 
 use super::Bvh;
 use crate::work::Stage;

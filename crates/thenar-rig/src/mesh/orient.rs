@@ -1,4 +1,4 @@
-//! Which side of a mesh is out.
+//! Orientation of a mesh: which side is out.
 
 use super::edges::Edges;
 use super::nesting::depths;

@@ -204,7 +204,7 @@ fn property_of(words: &[&str]) -> Option<Property> {
     }
 }
 
-/// What follows the header, read from its beginning.
+/// Data after the header, read from its beginning.
 struct Data<'a> {
     bytes: &'a [u8],
     at: usize,

@@ -134,12 +134,12 @@ impl Stencil {
         positions.iter().enumerate().map(mix).collect()
     }
 
-    /// Where the vertices end up after one refinement.
+    /// Places of the vertices after one refinement.
     fn refined(&self, positions: &[Vec3]) -> Vec<Vec3> {
         self.mixed(positions, |n, curve| if curve { 0.25 } else { loop_share(n) })
     }
 
-    /// Where the vertices end up after infinitely many.
+    /// Places of the vertices after infinitely many refinements.
     fn limit(&self, positions: &[Vec3]) -> Vec<Vec3> {
         self.mixed(positions, |n, curve| {
             let s = loop_share(n);

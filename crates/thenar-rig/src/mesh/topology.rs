@@ -1,4 +1,4 @@
-//! What a mesh is made of: pieces, holes, handles.
+//! Topology of a mesh: pieces, holes, handles.
 
 use super::edges::Edges;
 use crate::TriMesh;

@@ -3,11 +3,11 @@
 use crate::RigError;
 
 const MAGIC: &[u8; 8] = b"THENARMD";
-/// What is written; all from 1 on are read.
+/// Version that is written; all from 1 on are read.
 const VERSION: u32 = 5;
 const HEADER_BYTES: usize = 32;
 
-/// What the body is.
+/// Kind of the body in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Hand = 1,

@@ -42,11 +42,11 @@ impl Bread {
     }
 }
 
-/// How much the square section is rounded: 0 square, 1 round.
+/// Roundness of the square section: 0 square, 1 round.
 const SECTION_ROUND: f64 = 0.55;
-/// How far the edges of the ends are drawn in, part of the half length.
+/// Inset of the edges of the ends, part of the half length.
 const END_DOME: f64 = 0.10;
-/// How much wider the top is than the bottom.
+/// Part by which the top is wider than the bottom.
 const TOP_FLARE: f64 = 0.10;
 /// Height of the crown above the shoulders, part of the height.
 const CROWN: f64 = 0.10;

@@ -4,8 +4,8 @@ use crate::TriMesh;
 use thenar_core::Vec3;
 use thenar_core::model::EmbeddedSurface;
 
-/// What baking makes of a loaf's colour at each vertex of its surface, from the rest shape: brown
-/// on top, golden at the sides, pale below, a little uneven. Factors on linear red, green and blue.
+/// Colours that baking gives a loaf at each vertex of its surface, from the rest shape: brown on
+/// top, golden at the sides, pale below, a little uneven. Factors on linear red, green and blue.
 pub fn crust(surface: &EmbeddedSurface, tets: &[[u32; 4]], nodes: &[Vec3]) -> Vec<[f32; 3]> {
     let mut positions = vec![Vec3::zeros(); surface.vertices.len()];
     surface.positions(tets, nodes, &mut positions);

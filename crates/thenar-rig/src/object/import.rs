@@ -27,7 +27,7 @@ use std::sync::Arc;
 use thenar_core::shape::{DistanceGrid, MeshShape, Shape};
 use thenar_core::{Pose, Quat, Vec3};
 
-/// What decides the mass of a body.
+/// Quantity that decides the mass of a body.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Weight {
     /// Density \[kg/m³\].
@@ -46,7 +46,7 @@ impl Weight {
     }
 }
 
-/// How a mesh becomes a rigid body.
+/// Options for turning a mesh into a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ImportOptions {
     /// Distance grid.
@@ -66,7 +66,7 @@ impl Default for ImportOptions {
     }
 }
 
-/// How the inside of a mesh was found.
+/// Method by which the inside of a mesh was found.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum Interior {
     /// Closed without overlaps: exact integrals.
@@ -77,18 +77,18 @@ pub enum Interior {
     Shell(f64),
 }
 
-/// What became of a mesh.
+/// Report on an imported mesh.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MeshReport {
     /// After welding and orienting.
     pub topology: Topology,
-    /// What was turned.
+    /// Result of orienting the triangles.
     pub orientation: Orientation,
     /// Vertices merged into others.
     pub welded_vertices: usize,
     /// Triangles dropped as degenerate.
     pub dropped_triangles: usize,
-    /// How the inside was found.
+    /// Method by which the inside was found.
     pub interior: Interior,
     /// Volume \[m³\].
     pub volume: f64,

@@ -6,7 +6,7 @@ use crate::error::positive;
 use thenar_core::Vec3;
 use thenar_core::model::Material;
 
-/// How each lattice cell is cut.
+/// Cut of each lattice cell into tetrahedra.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Cubes {

@@ -20,7 +20,7 @@ pub struct SoftModel {
     pub render: EmbeddedSurface,
 }
 
-/// What does not follow from the geometry of a deformable body.
+/// Properties of a deformable body that do not follow from its geometry.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SoftOptions {
     /// Rayleigh damping: `D = mass_damping M + stiffness_damping K`. This one \[1/s\].
@@ -37,7 +37,7 @@ impl Default for SoftOptions {
     }
 }
 
-/// What a deformable body consists of.
+/// Composition of a deformable body.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SoftReport {
     /// Number of nodes.

@@ -274,7 +274,7 @@ fn options(hand: &Hand, preset: PresetWord) -> Result<HandOptions, Fault> {
     tissue::layered(hand, options)
 }
 
-/// How finely a hand is built: what the scene says, else its preset.
+/// Fineness of a hand's mesh: what the scene says, else its preset.
 fn mesh(hand: &Hand, preset: PresetWord) -> HandOptions {
     let usual = match preset {
         PresetWord::Paper => HandOptions::paper(),

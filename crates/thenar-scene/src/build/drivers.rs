@@ -6,7 +6,7 @@ use crate::math::{Pose, Vec3};
 use crate::text::Fault;
 use thenar_core::model::Drive;
 
-/// What a driver does with the pose it gives.
+/// Coupling of a body to the pose that its driver gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Follow {
     /// The body is there.
@@ -20,7 +20,7 @@ pub enum Follow {
 pub struct Driver {
     /// Rigid body.
     pub rigid: u32,
-    /// How it follows.
+    /// Coupling of the body to the pose.
     pub follow: Follow,
     /// Pose over time.
     pub track: Track,
@@ -33,7 +33,7 @@ pub enum Track {
     Keys {
         /// Times \[s\], ascending, and poses in the world; at least one.
         keys: Vec<(f64, Pose)>,
-        /// How to go from one to the next.
+        /// Interpolation from one key to the next.
         interpolation: InterpolationWord,
     },
     /// Constant velocity, linear \[m/s\] and angular \[rad/s\].

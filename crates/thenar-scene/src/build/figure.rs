@@ -34,7 +34,7 @@ pub struct BuiltFigure {
     pub model: HandModel,
     /// Joints of it that mimic others.
     pub mimics: Vec<Mimic>,
-    /// Where its parts are.
+    /// Indices of its parts in the world.
     pub handle: HandHandle,
     /// Springs between flesh and bones, per volume of bone \[N/m⁴\].
     pub coupling_stiffness: f64,

@@ -165,7 +165,7 @@ fn joints_like<T>(model: &HandModel, name: &str, at: &At<T>) -> Result<Vec<usize
     }
 }
 
-/// As many angles as the joint has, within its range.
+/// Checks that there are as many angles as the joint has, within its range.
 fn check_angles(joint: &JointDesc, angles: &At<AnglesDeg>) -> Result<(), Fault> {
     let JointDesc { name, kind, .. } = joint;
     let wanted = if *kind == JointKind::Ball { 3 } else { kind.angles() };

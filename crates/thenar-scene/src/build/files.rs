@@ -1,4 +1,4 @@
-//! Where the files that a scene names are found.
+//! Paths of the files that a scene names.
 
 use crate::text::At;
 use std::cell::RefCell;
@@ -19,7 +19,7 @@ impl Files {
         Self { folder: scene.parent().unwrap_or(Path::new("")).into(), ..Self::default() }
     }
 
-    /// What the scene calls by these names lies elsewhere.
+    /// Redirects the names in `moved` to its paths.
     pub fn moved(self, moved: BTreeMap<String, PathBuf>) -> Self {
         Self { moved, ..self }
     }

@@ -15,7 +15,7 @@ use thenar_core::World;
 use thenar_core::model::{CouplingKind, Drive, Flesh, HandModel, HandPlacement};
 use thenar_track::Muscles;
 
-/// Where a hand's parts are in the world.
+/// Indices of a hand's parts in the world.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HandParts {
     /// Bones of the hand among the rigid bodies.
@@ -33,9 +33,9 @@ pub struct BuiltHand {
     pub name: String,
     /// The model it was made from.
     pub model: HandModel,
-    /// Where its parts are.
+    /// Indices of its parts in the world.
     pub handle: HandParts,
-    /// What it follows; `None` lets it hold its start pose, or go.
+    /// Motion that it follows; `None` lets it hold its start pose, or go.
     pub motion: Option<HandMotion>,
     /// True if the bones have drives.
     pub driven: bool,
@@ -65,7 +65,8 @@ impl BuiltHand {
         self.model.bones.first().map_or(Pose::identity(), |palm| palm.pose_BT)
     }
 
-    /// Where linear blend skinning (Eq. 6) puts all nodes of its flesh, bound or free, world \[m\].
+    /// Places of all nodes of its flesh, bound or free, by linear blend skinning (Eq. 6), world
+    /// \[m\].
     pub fn skinned(&self, world: &World) -> Vec<Vec3> {
         let bones = &self.model.bones;
         let moves: Vec<Pose> = self

@@ -1,4 +1,4 @@
-//! What a scene says of single joints of a hand.
+//! Settings that a scene gives single joints of a hand.
 
 use super::solver::set;
 use crate::format::{HandAxis, HandJoint, HandJointsFile, JointName};

@@ -14,13 +14,13 @@ use std::collections::BTreeMap;
 /// A load ready to be applied.
 #[derive(Clone, Debug)]
 pub struct ActiveLoad {
-    /// What it does at factor 1.
+    /// Load at factor 1.
     pub kind: LoadKind,
     /// Size of the load over time.
     pub factor: Factor,
 }
 
-/// What a load does.
+/// Kind of a load, with size and target.
 #[derive(Clone, Debug)]
 pub enum LoadKind {
     /// A force at a point of a rigid body.

@@ -58,7 +58,7 @@ use thenar_core::model::WorldDesc;
 pub struct Built {
     /// The world's description.
     pub world: WorldDesc,
-    /// What the names stand for.
+    /// Indices that the scene's names stand for.
     pub names: Names,
     /// Hands, in the order of the file.
     pub hands: Vec<BuiltHand>,
@@ -81,9 +81,9 @@ pub struct Built {
     pub loads: Vec<ActiveLoad>,
     /// Memory that the bodies take.
     pub memory: Memory,
-    /// How rigid bodies look, one entry per rigid body of the world.
+    /// Appearance of rigid bodies, one entry per rigid body of the world.
     pub looks: Vec<RigidLook>,
-    /// What hands grip, one entry per hand; `None` for those whose scene asks for nothing.
+    /// Grips of hands, one entry per hand; `None` for those whose scene asks for nothing.
     pub grips: Vec<Option<Box<GripHand>>>,
 }
 

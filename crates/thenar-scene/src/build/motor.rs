@@ -9,12 +9,12 @@ use thenar_core::kinematics::stretch;
 use thenar_core::model::{Axis, JointDesc, JointKind};
 use thenar_core::world::{Input, JointTarget};
 
-/// What leads one joint.
+/// Motor that leads one joint.
 #[derive(Clone, Debug)]
 pub struct Motor {
     /// Index of the joint.
     pub joint: u32,
-    /// Where the joint is led over time.
+    /// Target of the joint over time.
     pub course: Course,
     /// Largest torque of spring and damper about each axis \[N m\]; of a ball about any.
     pub torque_max: Option<f64>,
@@ -29,7 +29,7 @@ pub enum Course {
     Angles {
         /// Times \[s\], ascending, and angles; at least one.
         keys: Vec<(f64, [f64; 2])>,
-        /// How to go from one to the next.
+        /// Interpolation from one key to the next.
         interpolation: InterpolationWord,
     },
     /// Rotation of a ball.
@@ -37,7 +37,7 @@ pub enum Course {
 }
 
 impl Motor {
-    /// Where the joint is led at time `t` \[s\], whatever the motor's strength.
+    /// Returns the joint's target at time `t` \[s\], whatever the motor's strength.
     pub fn wanted(&self, t: f64) -> JointTarget {
         match &self.course {
             Course::Angles { keys, interpolation } => {

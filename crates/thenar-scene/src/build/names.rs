@@ -4,7 +4,7 @@ use crate::text::{At, Fault, nearest};
 use std::collections::BTreeMap;
 use thenar_core::model::BodyId;
 
-/// What each name in a scene stands for.
+/// Indices that the names in a scene stand for.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
     rigids: BTreeMap<String, u32>,

@@ -1,4 +1,4 @@
-//! Which hand is meant where a scene does not say.
+//! Choice of a hand's preset where a scene does not name one.
 
 use crate::format::{CouplingWord, Hand, PresetWord, Scene, SolverWord};
 

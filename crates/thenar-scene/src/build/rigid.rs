@@ -10,7 +10,7 @@ use thenar_core::shape::Shape;
 use thenar_rig::TriMesh;
 use thenar_rig::object::{Car, Paint, Weight};
 
-/// How a rigid body looks.
+/// Appearance of a rigid body.
 #[derive(Clone, Debug)]
 pub struct RigidLook {
     /// Red, green, blue from 0 to 1, if the scene says.
@@ -69,7 +69,7 @@ fn describe(rigid: &Rigid, files: &Files) -> Result<(RigidDesc, RigidLook), Faul
     Ok((desc, RigidLook { colour: rigid.colour, mesh: solid.and_then(|s| s.look), pose_MB }))
 }
 
-/// What a body weighs, as far as its table says.
+/// Mass or density of a body, if its table gives them.
 struct Given {
     mass: Option<f64>,
     density: Option<f64>,

@@ -1,4 +1,4 @@
-//! Which nodes, faces or elements a selector means.
+//! Nodes, faces or elements that a selector means.
 
 use crate::format::{Selector, SideWord};
 use crate::math::Vec3;

@@ -90,7 +90,7 @@ pub(super) fn group_elements(world: &mut WorldDesc, soft: u32, elements: Element
     }
 }
 
-/// How many tetrahedra a shape will have; none where a file says so.
+/// Number of tetrahedra that a shape will have; `None` where only its file says.
 pub(super) fn tets_wanted(shape: &SoftShape) -> Option<u64> {
     let product = |cells: &[u32; 3]| cells.iter().map(|&n| u64::from(n)).product::<u64>();
     Some(match shape {
@@ -120,7 +120,7 @@ fn rest_shape(shape: &At<SoftShape>, files: &Files) -> Result<SoftModel, Fault> 
     }
 }
 
-/// What holds where a scene does not say.
+/// Defaults where a scene does not say.
 struct Usual {
     material: Material,
     mass_damping: f64,
@@ -350,7 +350,7 @@ fn coupling(built: &Built, soft: &Soft, mesh: &Mesh) -> Result<Option<Coupling>,
     }))
 }
 
-/// How two bones place a node.
+/// Returns the rule by which two bones place a node.
 pub fn skinning(word: SkinningWord) -> Skinning {
     match word {
         SkinningWord::Lbs => Skinning::Linear,

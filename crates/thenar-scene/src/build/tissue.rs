@@ -1,4 +1,4 @@
-//! What tissue is made of: named materials, layers, skin and nails.
+//! Composition of tissue: named materials, layers, skin and nails.
 
 use super::soft::law;
 use crate::format::{
@@ -214,7 +214,7 @@ fn laid(
     Ok(Skin { soft, sheets, facets })
 }
 
-/// Where a fault of a layer belongs.
+/// Returns a fault at the key of a layer.
 pub fn layer_fault(hand: &Hand, layer: usize, what: &str) -> Fault {
     match (hand.layer.get(layer.wrapping_sub(1)), &hand.tissue) {
         (Some(layer), _) => layer.fault(what),

@@ -1,4 +1,4 @@
-//! How far apart several things are.
+//! Distances over several bodies.
 
 /// A distance over several bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -7,7 +7,7 @@ pub struct Apart {
     pub mean: f64,
     /// Largest of all.
     pub max: f64,
-    /// Where the largest is, in the list of bodies.
+    /// Index of the largest in the list of bodies.
     pub at: usize,
 }
 

@@ -1,4 +1,4 @@
-//! What of a scene is compared.
+//! Parts of a scene that are compared.
 
 use crate::session::Session;
 use thenar_core::{Pose, Vec3, World};

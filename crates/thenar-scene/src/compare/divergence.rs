@@ -1,4 +1,4 @@
-//! When a solver has lost its scene.
+//! Criteria by which a solver has lost its scene.
 
 use crate::session::Session;
 use std::fmt;

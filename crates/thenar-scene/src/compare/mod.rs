@@ -33,7 +33,7 @@ pub const EXACT: usize = 1;
 /// Names of both, in columns and reports.
 pub const SIDES: [&str; 2] = ["two-step", "exact"];
 
-/// Where each step sets out from.
+/// State from which each step sets out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompareMode {
     /// From where the same solver went before: how far the motions drift apart.
@@ -48,7 +48,7 @@ pub enum CompareMode {
 pub enum Scheme {
     /// With the scene's settings.
     AsSet,
-    /// As the paper prints it: flesh frozen in step 1, joints left to the next step.
+    /// Scheme as the paper prints it: flesh frozen in step 1, joints left to the next step.
     Paper,
     /// Flesh that yields in step 1 by its own inertia; joints left to the next step.
     Yielding,
@@ -205,7 +205,7 @@ impl Comparison {
         &self.columns
     }
 
-    /// What is compared, after the last step; NaN where a side has diverged.
+    /// Compared quantities after the last step; NaN where a side has diverged.
     pub fn row(&self) -> &[f64] {
         &self.row
     }
@@ -215,7 +215,7 @@ impl Comparison {
         &self.moment
     }
 
-    /// What is compared.
+    /// Bodies that are compared.
     pub fn bodies(&self) -> &Bodies {
         &self.bodies
     }
@@ -230,7 +230,7 @@ impl Comparison {
         &self.sessions
     }
 
-    /// How they are compared.
+    /// Mode of the comparison.
     pub fn mode(&self) -> CompareMode {
         self.mode
     }

@@ -1,4 +1,4 @@
-//! What two solvers make of one moment.
+//! Results of two solvers at one moment.
 
 use super::bodies::poses_apart;
 use super::{Apart, Bodies, EXACT, TWO_STEP};
@@ -35,7 +35,7 @@ pub struct SideMoment {
     pub contacts: u32,
     /// Total energy \[J\].
     pub energy: f64,
-    /// What presses on palm and fingers of each hand.
+    /// Loads on palm and fingers of each hand.
     pub loads: Vec<[HandLoad; 6]>,
 }
 

@@ -10,9 +10,9 @@ pub struct Peak {
     pub mean: f64,
     /// Largest of all.
     pub max: f64,
-    /// When it was \[s\].
+    /// Time of the largest \[s\].
     pub time: f64,
-    /// Where it was, in a list of bodies.
+    /// Index of the largest in a list of bodies.
     pub at: usize,
     count: f64,
 }
@@ -53,7 +53,7 @@ pub struct PartSummary {
 /// One solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideSummary {
-    /// When it lost the scene, if it did.
+    /// Divergence, if the solver lost the scene.
     pub diverged: Option<Divergence>,
     /// Steps that gave a number that is not finite and were taken back.
     pub failed: u64,

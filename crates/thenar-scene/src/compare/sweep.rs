@@ -22,7 +22,7 @@ pub const SCHEMES: [(Scheme, &str); 3] = [
 /// Fewest steps in which a scheme must show that it is stable.
 const STEPS_MIN: u64 = 120;
 
-/// What to sweep over.
+/// Parameters of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Coupling stiffnesses per volume of flesh \[N/m⁴\].

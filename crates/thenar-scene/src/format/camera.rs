@@ -4,11 +4,11 @@ use crate::math::Vec3;
 use crate::text::table;
 
 table! {
-    /// Where a picture is taken from.
+    /// Viewpoint of a picture.
     pub struct Camera {
         /// The eye, world [m].
         position: Vec3 where PLACE;
-        /// What the eye looks at, world [m].
+        /// Point that the eye looks at, world [m].
         target: Vec3 where PLACE;
         /// Direction that is up in the picture. Default [0, 1, 0].
         up: Vec3 where PLACE = Vec3::y();

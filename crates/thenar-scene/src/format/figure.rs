@@ -10,7 +10,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 
 words! {
-    /// What moves the root of a figure.
+    /// Source of the motion of a figure's root.
     pub enum RootWord {
         /// Physics alone.
         "free" => Free,
@@ -42,7 +42,7 @@ table! {
     /// One instant of a figure's motion. Joints that it does not name are interpolated from the
     /// keys around.
     pub struct FigureKey {
-        /// When [s]; later than the key before.
+        /// Time [s]; later than the key before.
         time: f64 where DURATION;
         /// Position of the model's frame, world [m], where the root is scripted; left out, that of
         /// the key before.
@@ -132,8 +132,8 @@ table! {
         coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
-        /// Where two bones put the flesh between them: "joint", rotations blended about the joint,
-        /// or "lbs", linear blend skinning. Default "joint".
+        /// Placement of the flesh between two bones: "joint", rotations blended about the joint, or
+        /// "lbs", linear blend skinning. Default "joint".
         skinning: SkinningWord = SkinningWord::Joint;
         /// "patches": tetrahedra around one long edge share one evaluation of their law;
         /// "tetrahedra": each by itself. Default "patches".

@@ -53,7 +53,7 @@ impl SkinOnWord {
     }
 }
 
-/// What a pair's `friction` says.
+/// Value of a pair's `friction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PairFriction {
     /// One coefficient.

@@ -3,7 +3,7 @@
 use crate::text::{At, table, words};
 
 words! {
-    /// How an object is gripped.
+    /// Kind of grip on an object.
     pub enum GripWord {
         /// Pads of thumb and index finger.
         "pinch" => Pinch,
@@ -32,9 +32,9 @@ table! {
         /// friction), of a tripod 2.5 times, and more as load asks; of a hook m g / 2; without an
         /// object 1.
         force: Option<f64> where GRIP_FORCE;
-        /// When the fingers set out [s].
+        /// Time at which the fingers set out [s].
         at: f64 where DURATION;
-        /// When they open [s]. Default: never.
+        /// Time at which they open [s]. Default: never.
         open: Option<f64> where DURATION;
     }
 }

@@ -36,7 +36,7 @@ table! {
 }
 
 words! {
-    /// What bones do when the flesh around them is crushed.
+    /// Response of bones when the flesh around them is crushed.
     pub enum BonesWord {
         /// Bones stop other bodies, as solids inside the flesh.
         "solid" => Solid,
@@ -58,7 +58,7 @@ words! {
 }
 
 words! {
-    /// What the springs between flesh and bones hold.
+    /// Flesh that the springs to the bones hold.
     pub enum CouplingWord {
         /// All flesh, skin and pads included.
         "uniform" => Uniform,
@@ -68,7 +68,7 @@ words! {
 }
 
 words! {
-    /// How two bones place the flesh that both carry.
+    /// Placement of the flesh that two bones both carry.
     pub enum SkinningWord {
         /// Linear blend skinning (Eq. 6): places are blended by weight.
         "lbs" => Lbs,
@@ -78,17 +78,17 @@ words! {
 }
 
 words! {
-    /// Where the springs of a hand's joints come from.
+    /// Source of the springs of a hand's joints.
     pub enum SpringsWord {
         /// From a table, whatever the bent flesh adds.
         "fixed" => Fixed,
-        /// What the bent flesh leaves of the stiffness of people's joints.
+        /// Stiffness of people's joints, less that of the bent flesh.
         "rest" => Rest,
     }
 }
 
 table! {
-    /// What acts about one axis of a hand's joint; what is left out stays as the model has it.
+    /// Settings of one axis of a hand's joint; what is left out stays as the model has it.
     pub struct HandAxis {
         /// Smallest and largest angle [degrees]; the angle of the model's rest pose lies between.
         /// No more than half a turn to either side.
@@ -143,10 +143,10 @@ table! {
         /// a glove and the skin beside it: what they enclose together is the hand then. Default:
         /// the mesh that encloses most.
         mesh: Option<At<MeshNames>>;
-        /// Where the values of `tets`, `detail`, `coupling` and `springs` come from that are not
-        /// given, when the model is built from a mesh. Default "touch"; "paper" where the scene
-        /// says what is about the paper's hand: `tets`, `coupling = "uniform"`,
-        /// `coupling_stiffness` without `coupling`, or a `solver.kind` other than "exact".
+        /// Source of the values of `tets`, `detail`, `coupling` and `springs` that are not given,
+        /// when the model is built from a mesh. Default "touch"; "paper" where the scene says what
+        /// is about the paper's hand: `tets`, `coupling = "uniform"`, `coupling_stiffness` without
+        /// `coupling`, or a `solver.kind` other than "exact".
         preset: Option<PresetWord>;
         /// Tetrahedra wanted, all of one size, when the model is built from a mesh; the springs
         /// hold what `coupling` or `preset` say, else all flesh.
@@ -173,9 +173,9 @@ table! {
         coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
-        /// Where two bones put the flesh between them: "lbs", linear blend skinning as in the
-        /// paper, which narrows in a twist and thins in a bend; "joint", rotations blended about
-        /// the joint, which does neither. Default "lbs".
+        /// Placement of the flesh between two bones: "lbs", linear blend skinning as in the paper,
+        /// which narrows in a twist and thins in a bend; "joint", rotations blended about the
+        /// joint, which does neither. Default "lbs".
         skinning: SkinningWord = SkinningWord::Lbs;
         /// True adds offsets by the pose of each joint to the places that `skinning` gives,
         /// measured on the hand's own flesh, bent around bones that hold it at the bone alone.
@@ -188,10 +188,10 @@ table! {
         elements: Option<ElementsWord>;
         /// Changes to the flesh; below layers, the flesh that they leave.
         material: Option<HandMaterial>;
-        /// Where the springs of its joints come from when the model is built from a mesh: "fixed",
-        /// from a table, whatever the bent flesh adds; "rest": what the model's flesh leaves of the
-        /// stiffness that is measured at people's joints. Default: the preset's, "fixed" of "paper"
-        /// and "rest" of "touch".
+        /// Source of the springs of its joints when the model is built from a mesh: "fixed", a
+        /// table, whatever the bent flesh adds; "rest": the stiffness that is measured at people's
+        /// joints, less that of the model's flesh. Default: the preset's, "fixed" of "paper" and
+        /// "rest" of "touch".
         springs: Option<SpringsWord>;
         /// Changes to its joints.
         joint: Vec<HandJoint>;
@@ -217,8 +217,7 @@ table! {
         self_contact: bool = true;
         /// The motion to follow. Without one the hand holds its start pose.
         motion: Option<At<MotionTable>>;
-        /// What it grips, one thing after the other; fingers that take part leave the motion for as
-        /// long.
+        /// Grips, one after the other; fingers that take part leave the motion meanwhile.
         grip: Vec<At<GripTable>>;
         /// False lets the hand go: no drives, whatever the motion. Default true.
         driven: bool = true;

@@ -11,7 +11,7 @@ table! {
         body: At<String>;
         /// Force, world [N].
         force: Vec3 where LOAD;
-        /// Where it acts, in the body's frame [m]. Default: the centre of mass.
+        /// Point where it acts, in the body's frame [m]. Default: the centre of mass.
         point: Vec3 where PLACE = Vec3::zeros();
         /// Over time. Default constant.
         profile: Option<Profile>;
@@ -104,7 +104,7 @@ table! {
 }
 
 choice! {
-    /// What acts from outside.
+    /// Load that acts from outside.
     pub enum Load by "kind" {
         /// A force on a rigid body.
         "force" => Force(ForceLoad),

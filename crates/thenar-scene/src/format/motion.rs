@@ -5,7 +5,7 @@ use crate::math::Vec3;
 use crate::text::{At, choice, table, words};
 
 words! {
-    /// What to do with joint angles out of range.
+    /// Treatment of joint angles out of range.
     pub enum LimitsWord {
         /// Refuse the motion.
         "error" => Error,
@@ -27,7 +27,7 @@ words! {
 words! {
     /// A shape of the whole hand.
     pub enum PoseWord {
-        /// As the hand's mesh was modelled.
+        /// Shape in which the hand's mesh was modelled.
         "rest" => Rest,
         /// Flat, fingers a little apart.
         "open" => Open,
@@ -45,8 +45,8 @@ words! {
 }
 
 table! {
-    /// Where the wrist is, world. Its -z axis points to the fingers, +y out of the back of the
-    /// hand. Give `rotation`, or the two directions.
+    /// Pose of the wrist, world. Its -z axis points to the fingers, +y out of the back of the hand.
+    /// Give `rotation`, or the two directions.
     pub struct WristTable {
         /// Position [m].
         position: Option<Vec3> where PLACE;
@@ -60,7 +60,7 @@ table! {
 }
 
 table! {
-    /// How far each finger is closed, from 0 (open) to 1 (fist).
+    /// Closure of each finger, from 0 (open) to 1 (fist).
     pub struct CurlTable {
         /// The thumb.
         thumb: Option<f64> where FRACTION;
@@ -104,17 +104,17 @@ table! {
 table! {
     /// One instant of a keyframed motion. What is left out is interpolated from the keys around.
     pub struct HandKey {
-        /// When [s]; later than the key before.
+        /// Time [s]; later than the key before.
         time: f64 where DURATION;
         /// The wrist.
         wrist: Option<WristTable>;
         /// Shape of the whole hand.
         pose: Option<PoseWord>;
-        /// How far each finger is closed.
+        /// Closure of each finger.
         curl: Option<CurlTable>;
         /// Single joints, by the name of the joint or of the bone it carries.
         joints: NamedJoints;
-        /// Where fingertips are at that time, with the wrist where it is then: digits bend, near to
+        /// Places of fingertips at that time, with the wrist where it is then: digits bend, near to
         /// the shape that the keys above give them, until the middle of each pad is there. Between
         /// keys their joints turn evenly. A place that is out of reach is an angle out of range:
         /// see `limits`.
@@ -149,7 +149,7 @@ table! {
         hand: Option<SideOfHandWord>;
         /// Part of the recording to skip [s]. Default 0.
         start_s: Option<f64> where DURATION;
-        /// Where the recording's origin is, world [m]. Default [0, 0, 0].
+        /// Position of the recording's origin, world [m]. Default [0, 0, 0].
         position: Option<Vec3> where PLACE;
         /// Turn of the recording about +y [degrees]. Default 0.
         heading_deg: Option<f64> where ANGLE;
@@ -169,7 +169,7 @@ table! {
 }
 
 choice! {
-    /// What a hand follows.
+    /// Motion that a hand follows.
     pub enum MotionTable by "kind" {
         /// Keyframes, here.
         "keyframes" => Keyframes(KeyframesTable),

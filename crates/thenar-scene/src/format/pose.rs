@@ -33,7 +33,7 @@ table! {
 }
 
 table! {
-    /// Where a body is at one time.
+    /// Pose of a body at one time.
     pub struct Keyframe {
         /// Time [s]; later than the keyframe before.
         time: f64 where DURATION;
@@ -45,7 +45,7 @@ table! {
 }
 
 words! {
-    /// How values between keyframes are found.
+    /// Interpolation of values between keyframes.
     pub enum InterpolationWord {
         /// Minimum jerk: velocity and acceleration vanish at each keyframe.
         "smooth" => Smooth,

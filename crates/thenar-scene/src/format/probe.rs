@@ -67,7 +67,7 @@ table! {
 }
 
 words! {
-    /// What is averaged over nodes.
+    /// Quantity that is averaged over nodes.
     pub enum QuantityWord {
         /// Place, world [m].
         "position" => Position,
@@ -153,7 +153,7 @@ table! {
 }
 
 words! {
-    /// What is given of each vertex.
+    /// Quantity that is given of each vertex.
     pub enum VertexWord {
         /// Normal force over area [Pa].
         "pressure" => Pressure,
@@ -255,7 +255,7 @@ choice! {
         "bone-force" => BoneForce(ProbeBody),
         /// Force [N] and torque [N m] that a drive puts on its body.
         "drive-force" => DriveForce(ProbeBody),
-        /// What the solver reports of each step.
+        /// Solver's report of each step.
         "step" => Step(ProbeName),
     }
 }

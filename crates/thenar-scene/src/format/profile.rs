@@ -1,4 +1,4 @@
-//! How the size of a load changes over time.
+//! Size of a load over time.
 
 use super::InterpolationWord;
 use crate::text::{At, choice, table};

@@ -135,13 +135,13 @@ choice! {
 }
 
 words! {
-    /// How a rigid body moves.
+    /// Motion of a rigid body.
     pub enum MotionWord {
         /// By forces.
         "dynamic" => Dynamic,
         /// Not at all.
         "fixed" => Fixed,
-        /// As its keyframes say; without keyframes at its constant velocity.
+        /// By its keyframes; without keyframes at its constant velocity.
         "scripted" => Scripted,
     }
 }

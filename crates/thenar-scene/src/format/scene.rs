@@ -24,7 +24,7 @@ table! {
         probe_interval: Option<f64> where DURATION;
         /// Solver settings.
         solver: Option<SolverTable>;
-        /// Where a picture is taken from.
+        /// Viewpoint of pictures.
         camera: Option<Camera>;
         /// The hands.
         hand: Vec<Hand>;
@@ -40,7 +40,7 @@ table! {
         load: Vec<Load>;
         /// Contact settings of pairs of bodies.
         pair: Vec<Pair>;
-        /// What is measured.
+        /// Quantities to measure.
         probe: Vec<Probe>;
     }
 }

@@ -1,4 +1,4 @@
-//! Which nodes, faces or elements of a soft body are meant.
+//! Selectors of nodes, faces or elements of a soft body.
 
 use crate::math::Vec3;
 use crate::text::{table, words};
@@ -51,7 +51,7 @@ table! {
         indices: Option<Vec<u32>> where INDEX;
         /// Nearest to this point, one only [m].
         nearest: Option<Vec3> where PLACE;
-        /// How far from a side or box a node still counts [m]. Default 1e-6.
+        /// Distance from a side or box up to which a node counts [m]. Default 1e-6.
         tolerance: f64 where PLACE = 1e-6;
     }
 }

@@ -6,7 +6,7 @@ use crate::text::{At, Cx, Defs, Fault, Node, Read, choice, table, words};
 use thenar_core::model::TERMS_MAX;
 
 words! {
-    /// How a lattice cell is cut into tetrahedra.
+    /// Division of a lattice cell into tetrahedra.
     pub enum SplitWord {
         /// Six around the diagonal from the least to the greatest corner.
         "kuhn" => Kuhn,
@@ -237,7 +237,7 @@ table! {
 }
 
 words! {
-    /// How elements of soft bodies are evaluated.
+    /// Evaluation of the elements of soft bodies.
     pub enum ElementsWord {
         /// Each by itself, as in the paper: stiffer than flesh where the mesh is coarse or hardly
         /// compressible.
@@ -282,7 +282,7 @@ table! {
         bind: Vec<Bind>;
         /// Damping time of these bonds: damper = time × spring [s]. Default 0.001.
         bind_damping_time: f64 where SPRING = 1e-3;
-        /// Where two bones put a node that both carry: "lbs", linear blend skinning; "joint",
+        /// Placement of a node that two bones carry: "lbs", linear blend skinning; "joint",
         /// rotations blended about the joint between them, which they must have. Default "lbs".
         skinning: SkinningWord = SkinningWord::Lbs;
         /// False makes the body touch nothing. Default true.

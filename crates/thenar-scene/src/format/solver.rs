@@ -25,7 +25,7 @@ words! {
 }
 
 words! {
-    /// What keeps joints within their range.
+    /// Means that keep joints within their range.
     pub enum JointLimitsWord {
         /// Bounds that no load passes.
         "rows" => Rows,
@@ -35,7 +35,7 @@ words! {
 }
 
 words! {
-    /// What step 1 assumes of the flesh.
+    /// Assumption of step 1 about the flesh.
     pub enum FleshWord {
         /// Flesh yields by its own inertia; stable at stiff couplings too.
         "lumped" => Lumped,

@@ -22,7 +22,7 @@ words! {
 }
 
 words! {
-    /// What a hand is made of where its keys do not say.
+    /// Tissue of a hand where its keys do not say.
     pub enum HandTissueWord {
         /// One material.
         "uniform" => Uniform,
@@ -51,7 +51,7 @@ table! {
     /// Flesh between two depths under the skin; what is left out keeps the value of the hand's
     /// material.
     pub struct HandLayer {
-        /// Where. Default "all".
+        /// Region of the hand. Default "all".
         region: HandRegionWord = HandRegionWord::All;
         /// From and to [m]: 0 is the skin. An element that holds several layers has their mean by
         /// volume.

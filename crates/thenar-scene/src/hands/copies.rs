@@ -9,13 +9,13 @@ use crate::math::Vec3;
 use crate::text::At;
 use thenar_core::model::Side;
 
-/// What is left free between an added hand and others that point at it \[m\].
+/// Gap left free between an added hand and others that point at it \[m\].
 const CLEAR: f64 = 0.05;
 /// Length of a hand that tells none: that of the built-in hands, rounded up, wrist to middle
 /// fingertip \[m\].
 const LENGTH: f64 = 0.19;
-/// How far in front of figures a hand is added \[m\]: as far as a person of 1.7 m reaches to the
-/// side, and the length of a hand.
+/// Distance in front of figures at which a hand is added \[m\]: as far as a person of 1.7 m reaches
+/// to the side, and the length of a hand.
 const BEFORE_FIGURES: f64 = 0.85;
 /// Lowest wrist of an added hand \[m\].
 const HEIGHT_MIN: f64 = 0.15;
@@ -95,7 +95,7 @@ fn template(scene: &Scene) -> Option<&Hand> {
     scene.hand.iter().min_by_key(|hand| (!hand.flesh, !hand.driven, untouching(hand)))
 }
 
-/// Where a hand starts: the wrist of its first key, or its own place \[m\].
+/// Start of a hand: the wrist of its first key, or its own place \[m\].
 fn start(hand: &Hand) -> Vec3 {
     let wrist = match hand.motion.as_ref().map(|motion| &motion.value) {
         Some(MotionTable::Keyframes(keys)) => keys.key.iter().find_map(|key| key.wrist.as_ref()),

@@ -33,7 +33,7 @@ fn names(scene: &Scene) -> Vec<String> {
 
 struct Gone<'a> {
     name: &'a str,
-    /// How names of its bones and joints begin.
+    /// Prefix of the names of its bones and joints.
     parts: String,
 }
 

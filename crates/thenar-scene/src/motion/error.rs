@@ -1,4 +1,4 @@
-//! What can be wrong with a motion.
+//! Errors of motions.
 
 use std::path::PathBuf;
 use thenar_track::{FitError, RecordingError};
@@ -11,7 +11,7 @@ pub enum MotionError {
     Syntax {
         /// File that was read.
         file: PathBuf,
-        /// What is wrong, with line and column.
+        /// Error of the parser, with line and column.
         cause: toml::de::Error,
     },
     /// A file cannot be read.
@@ -38,7 +38,7 @@ pub enum MotionError {
         /// Cause in words.
         cause: String,
     },
-    /// There is nothing to interpolate.
+    /// Nothing is there to interpolate.
     #[error("a motion needs at least one key")]
     NoKeys,
 }

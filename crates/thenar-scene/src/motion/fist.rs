@@ -19,10 +19,10 @@ const OUTER: [f64; 2] = [1.1, 0.92];
 const KNUCKLE: [f64; 2] = [0.5, 1.15];
 /// Number of steps from the first to the last: 2° each.
 const TRIED: u32 = 30;
-/// How far fingertips are pulled into the palm, of the length of a hand: 6 mm of 190. Usual drives
-/// (500 N/m at a fingertip) would give 3 N, but for what bends before.
+/// Distance that fingertips are pulled into the palm, of the length of a hand: 6 mm of 190. Usual
+/// drives (500 N/m at a fingertip) would give 3 N, but for what bends before.
 const SQUEEZE: f64 = 6.0 / 190.0;
-/// How far the thumb presses in: half of that.
+/// Distance that the thumb presses in: half of that.
 const PRESS: f64 = 0.5 * SQUEEZE;
 /// A thumb that ends farther from its place than this, of the length of a hand, has not found it:
 /// 10 mm of 190.

@@ -118,7 +118,7 @@ fn monotone_slope(before: f64, after: f64) -> f64 {
     mean.clamp(-bound, bound)
 }
 
-/// Where a time falls among knots.
+/// Position of a time among knots.
 enum Piece {
     Empty,
     Still(usize),

@@ -85,7 +85,7 @@ impl Keyframes {
         self.duration
     }
 
-    /// Where the model frame of the hand at rest must be for its wrist to be where the motion
+    /// Returns the pose of the model frame of the hand at rest that puts its wrist where the motion
     /// starts.
     pub fn start_placement(&self) -> Pose {
         self.articulation.placement(&self.wrist(f64::NEG_INFINITY).0)

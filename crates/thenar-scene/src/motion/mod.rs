@@ -1,4 +1,4 @@
-//! What moves a hand: keyframes that a person writes, and recordings of tracked hands.
+//! Motions of a hand: keyframes that a person writes, and recordings of tracked hands.
 //!
 //! Both give, at any time, a pose and a velocity for every bone of a hand: smooth, within joint
 //! limits (but for a fist, which is squeezed), always finite, and consistent (the velocity is the
@@ -56,7 +56,7 @@ impl HandMotion {
         }
     }
 
-    /// Where the model frame of the hand at rest must be (`pose_WM`) for its wrist to be where
+    /// Returns the pose `pose_WM` of the model frame of the hand at rest that puts its wrist where
     /// the motion starts.
     pub fn start_placement(&self) -> Pose {
         match self {

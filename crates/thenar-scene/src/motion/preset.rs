@@ -8,7 +8,7 @@ use thenar_core::model::{Digit, HandModel};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// As the hand's mesh was modelled: flesh without strain.
+    /// Shape in which the hand's mesh was modelled: flesh without strain.
     Rest,
     /// Flat, fingers a little apart.
     Open,
@@ -24,8 +24,8 @@ pub enum Preset {
     PowerGrasp,
 }
 
-/// How far the pads of a pinch press into each other \[m\]: usual drives (500 N/m at a fingertip)
-/// give 1.5 N for 3 mm on either side.
+/// Depth to which the pads of a pinch press into each other \[m\]: usual drives (500 N/m at a
+/// fingertip) give 1.5 N for 3 mm on either side.
 const PRESS: f64 = 6e-3;
 
 /// Thumb that lets fingers pass: flexion of its three joints, and its spread \[degrees\].

@@ -11,7 +11,7 @@ use thenar_core::world::State;
 /// that the scene means where it does not say, a byte; [`SceneStart::read`] takes both.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SceneStart {
-    /// What it is made from.
+    /// Source of the session.
     pub source: Source,
     /// The files that the scene names.
     pub assets: Vec<Asset>,
@@ -56,7 +56,7 @@ impl SceneStart {
 /// A file that a scene names.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Asset {
-    /// What the scene calls it.
+    /// Name in the scene.
     pub name: String,
     /// Size of the file \[bytes\].
     pub bytes: u64,
@@ -73,7 +73,7 @@ pub struct StepMark {
     pub number: u64,
     /// Hash of the state after it.
     pub hash: u64,
-    /// What the step took by the clock on the wall \[ns\].
+    /// Duration of the step by the clock on the wall \[ns\].
     pub cost_ns: u32,
     /// True if the step was taken back, so that no simulated time passed: bit 0 of the last byte.
     pub taken_back: bool,
@@ -109,7 +109,8 @@ pub struct Keyframe {
     pub number: u64,
     /// The world's state after them.
     pub state: State,
-    /// What else the next step depends on; `None` in recordings of programs that did not keep it.
+    /// Rest of what the next step depends on; `None` in recordings of programs that did not keep
+    /// it.
     pub kept: Option<KeyframeRest>,
 }
 
@@ -118,7 +119,7 @@ pub struct Keyframe {
 pub struct KeyframeRest {
     /// Hash of the state that its scene began with.
     pub start: u64,
-    /// What the session remembers.
+    /// Memory of the session.
     pub memory: Memory,
 }
 

@@ -1,4 +1,4 @@
-//! What enters a session, as a recording keeps it.
+//! Inputs of a session, as a recording keeps them.
 
 use super::state::{Bare, BareRef};
 use crate::flat::{FlatTarget, Flattened, flat_pose, pose, target};
@@ -17,7 +17,7 @@ use thenar_core::world::{State, Target};
 pub struct Input {
     /// Steps made since the scene frame.
     pub number: u64,
-    /// What entered.
+    /// Content of the input.
     pub what: InputKind,
 }
 

@@ -15,7 +15,7 @@ pub const ASSET_BYTES_MAX: u64 = 64 << 20;
 /// The largest files that scenes name are models \[bytes\].
 pub const FILE_BYTES_MAX: u64 = 1 << 30;
 
-/// What a scene frame says of a session; `None` for one that a program has changed.
+/// Returns the content of a session's scene frame; `None` for one that a program has changed.
 pub fn start(session: &Session) -> Option<SceneStart> {
     Some(SceneStart {
         source: session.source()?.clone(),

@@ -9,7 +9,7 @@ use crate::session::Session;
 
 /// The first bytes of a snapshot: what it is, and the version of its form.
 const MAGIC: &[u8; 8] = b"THNSTAT1";
-/// Where the keyframe begins.
+/// Offset of the keyframe \[bytes\].
 const BODY: usize = 12;
 
 /// Reason why a session does not go on from some bytes. The session is unchanged.

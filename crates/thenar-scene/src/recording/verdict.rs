@@ -1,4 +1,4 @@
-//! Whether a replay gave what was recorded, and if not, why.
+//! Verdict on a replay: whether it gave what was recorded, and if not, why.
 
 use std::fmt;
 use thenar_core::Vec3;
@@ -16,7 +16,7 @@ pub struct Difference {
     pub time: f64,
 }
 
-/// How far a replay was from a keyframe before it was put right.
+/// Distance of a replay from a keyframe before it was put right.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReplayDrift {
     /// Largest distance of a rigid body \[m\].
@@ -45,11 +45,11 @@ impl ReplayDrift {
 /// A piece of a recording that is damaged, and what that costs the replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
-    /// Where and what.
+    /// Place and kind of the damage.
     pub damage: Damage,
     /// Time in the recording of the session's last frame before it \[s\].
     pub from: f64,
-    /// When the session is known again \[s\]; `None` when it is not before the end.
+    /// Time at which the session is known again \[s\]; `None` when it is not before the end.
     pub until: Option<f64>,
 }
 
@@ -66,7 +66,7 @@ impl fmt::Display for Loss {
     }
 }
 
-/// What a replay has found so far.
+/// Findings of a replay up to now.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
     /// Scenes begun.
@@ -92,9 +92,9 @@ pub struct Verdict {
     /// Records of channels that were not announced, or with another number of values than
     /// announced.
     pub strays: u64,
-    /// What the recorder dropped.
+    /// Times \[s\] and gaps of dropped frames.
     pub gaps: Vec<(f64, Gap)>,
-    /// Where the file makes no sense.
+    /// Places where the file makes no sense.
     pub losses: Vec<Loss>,
     /// Steps that were not made, as what led to them is lost.
     pub lost: u64,

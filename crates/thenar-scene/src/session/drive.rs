@@ -1,4 +1,4 @@
-//! Where driven and scripted bodies should be at the end of a step.
+//! Targets of driven and scripted bodies at the end of a step.
 
 use crate::build::{Built, BuiltHand, Follow};
 use crate::live::{LiveError, LiveHand};
@@ -60,8 +60,8 @@ pub fn carry(input: &mut Input, built: &Built, led: &[Option<Vec<Target>>], worl
     }
 }
 
-/// What carries a hand's weight is no load on it: a frame of the hand that begins with rigid body
-/// `first` tells of the rest.
+/// Adds a led hand's weight to the loads in the frame of the hand that begins with rigid body
+/// `first`: what carries that weight is no load on it.
 pub fn weigh(
     input: &Input,
     built: &Built,
@@ -116,7 +116,7 @@ pub fn bones(hand: &BuiltHand) -> Range<usize> {
     hand.handle.bones.start as usize..hand.handle.bones.end as usize
 }
 
-/// What the scene wants of a hand: its motion, or its start pose.
+/// Sets the targets that the scene gives a hand: its motion, or its start pose.
 fn script(hand: &mut BuiltHand, start: &[RigidDesc], t: f64, targets: &mut [Option<Target>]) {
     match &mut hand.motion {
         Some(motion) => motion.sample(t, targets),

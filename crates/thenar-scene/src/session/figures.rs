@@ -1,4 +1,4 @@
-//! What a whole run amounts to, as one row of a table.
+//! Figures of a whole run, as one row of a table.
 
 use super::{Session, Summary};
 use thenar_core::model::Digit;
@@ -36,7 +36,7 @@ pub struct Figures {
     rows: u64,
 }
 
-/// What a column of the probe table amounts to.
+/// Spread of a column of the probe table.
 #[derive(Clone, Copy, Debug)]
 struct Spread {
     last: f64,

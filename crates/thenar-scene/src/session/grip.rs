@@ -17,7 +17,7 @@ const UNDER: f64 = 0.12;
 /// Why a hand does not grip. Nothing has changed then.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GripError {
-    /// There is no such hand.
+    /// No hand has this index.
     #[error("there is no hand {hand}: the scene has {count}")]
     NoHand {
         /// Index given.
@@ -25,7 +25,7 @@ pub enum GripError {
         /// Number of hands.
         count: usize,
     },
-    /// There is no such body.
+    /// No body has this name.
     #[error("no body is named \"{object}\"; there are {known}")]
     NoObject {
         /// Name given.
@@ -121,13 +121,13 @@ impl Session {
         Ok(())
     }
 
-    /// What hand `hand` grips; `None` while it grips nothing.
+    /// State of the grip of hand `hand`; `None` while it grips nothing.
     pub fn grip_state(&self, hand: usize) -> Option<GripState> {
         self.grips.get(hand)?.as_ref()?.state()
     }
 
-    /// What is amiss with the present grip of a hand, in a sentence that names the object, the kind
-    /// and the figure.
+    /// Trouble with the present grip of a hand, in a sentence that names the object, the kind and
+    /// the figure.
     pub fn grip_trouble(&self, hand: usize) -> Option<String> {
         let state = self.grip_state(hand)?;
         let opposition = self.grips[hand].as_ref()?.opposition(state.order.kind)?;
@@ -136,8 +136,8 @@ impl Session {
         Some(format!("hand `{}`: {said}", self.built.hands[hand].name))
     }
 
-    /// What can be foreseen to be amiss with the grips of the scene, a sentence each: objects that
-    /// are too large, or slip out.
+    /// Foreseeable troubles with the grips of the scene, a sentence each: objects that are too
+    /// large, or slip out.
     pub(super) fn grip_warnings(&self) -> Vec<String> {
         let hands = self.grips.iter().zip(&self.built.hands);
         let orders = hands.flat_map(|(gripping, hand)| {
@@ -211,12 +211,12 @@ impl Session {
         }
     }
 
-    /// What grips remember, one for each hand.
+    /// Memories of grips, one for each hand.
     pub(crate) fn grips_memory(&self, if_none: IfNone) -> GripsRef<'_> {
         GripsRef(self, if_none)
     }
 
-    /// How they answer to load.
+    /// Reflexes of grips, one for each hand.
     pub(crate) fn reflexes(&self, if_none: IfNone) -> ReflexesRef<'_> {
         ReflexesRef(self, if_none)
     }
@@ -234,7 +234,7 @@ impl Session {
         (kept.is_empty() || kept.len() == self.grips.len()) && kept.iter().enumerate().all(fits)
     }
 
-    /// Goes on from what [`Session::takes_grips`]; what is not told of begins anew.
+    /// Continues from what [`Session::takes_grips`]; grips without memory begin anew.
     pub(super) fn recall_grips(&mut self, kept: &[Option<GripMemory>]) {
         for k in 0..self.grips.len() {
             let Some(kept) = kept.get(k).and_then(Option::as_ref) else {
@@ -342,16 +342,16 @@ impl Session {
     }
 }
 
-/// What is written of a session in which nothing grips.
+/// Form in which a session in which nothing grips is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IfNone {
     /// Nothing at all, as before hands gripped.
     Nothing,
-    /// So many times nothing, so that more can come after.
+    /// One `None` for each hand, so that more can come after.
     Each,
 }
 
-/// What grips remember, where it is.
+/// Memories of grips, read in place.
 #[derive(Clone, Copy, Debug)]
 pub struct GripsRef<'a>(&'a Session, IfNone);
 
@@ -367,7 +367,7 @@ impl Serialize for GripsRef<'_> {
     }
 }
 
-/// How grips answer to load, where it is.
+/// Reflexes of grips, read in place.
 #[derive(Clone, Copy, Debug)]
 pub struct ReflexesRef<'a>(&'a Session, IfNone);
 

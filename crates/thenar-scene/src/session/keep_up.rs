@@ -1,4 +1,4 @@
-//! What a scene that runs live may cost.
+//! Bounds of the cost of a scene that runs live.
 
 use crate::session::read;
 

@@ -85,7 +85,7 @@ impl Session {
         super::open::live_hand(built).map(|live| *live)
     }
 
-    /// What moves a hand.
+    /// Present mover of a hand.
     pub fn mover(&self, hand: usize) -> Mover {
         match self.live.get(hand) {
             _ if self.is_led(hand) => Mover::Live,

@@ -1,4 +1,4 @@
-//! What loads add to the input of a step.
+//! Loads in the input of a step.
 
 use crate::build::{ActiveLoad, LoadKind};
 use thenar_core::World;

@@ -1,4 +1,4 @@
-//! What presses on a hand.
+//! Loads on a hand.
 
 use crate::build::BuiltHand;
 use crate::grip::digit_touched;
@@ -6,7 +6,7 @@ use thenar_core::model::Digit;
 use thenar_core::readout::PatchSum;
 use thenar_core::world::ContactPoint;
 
-/// What presses on one part of a hand, or the most that did.
+/// Load on one part of a hand, or the largest that there was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HandLoad {
     /// Sum of normal forces \[N\].
@@ -45,8 +45,7 @@ impl HandLoad {
 pub const PARTS: [Digit; 6] =
     [Digit::Palm, Digit::Thumb, Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
 
-/// What presses on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is
-/// crushed.
+/// Loads on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is crushed.
 pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] {
     let mut sums = [PatchSum::default(); 6];
     for contact in contacts {

@@ -1,5 +1,5 @@
-//! What a session remembers besides the state of its world: with both, another session from the
-//! same source goes on with the same bits.
+//! Memory of a session besides the state of its world: with both, another session from the same
+//! source continues with the same bits.
 
 use super::{Session, drive};
 use crate::flat::{FlatTarget, Flattened, target};
@@ -9,7 +9,7 @@ use crate::tuning::SettingValue;
 use serde::{Deserialize, Serialize, Serializer};
 use thenar_core::world::{State, StepReport, Target};
 
-/// What a session remembers, apart from it.
+/// Memory of a session, apart from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// Steps done since the start.
@@ -17,20 +17,20 @@ pub struct Memory {
     /// Settings that were changed, by key.
     set: Vec<(String, Value)>,
     hands: Vec<HandMemory>,
-    /// What hands grip, one for each; empty where nobody said. A frame keeps it apart, behind what
-    /// came to it before.
+    /// Memories of grips, one for each hand; empty where nobody said. A frame keeps them apart,
+    /// behind what came to it before.
     #[serde(skip)]
     pub(crate) grips: Vec<Option<GripMemory>>,
 }
 
-/// What it remembers of a hand.
+/// Memory of one hand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct HandMemory {
     /// `None` for a hand that poses cannot move.
     live: Option<LiveMemory>,
-    /// Where its bones are led.
+    /// Targets to which its bones are led.
     led: Option<Vec<FlatTarget>>,
-    /// Where they were to be in the last step.
+    /// Targets of its bones in the last step.
     targets: Vec<Option<FlatTarget>>,
 }
 
@@ -94,7 +94,7 @@ impl Serialize for HandMemoriesRef<'_> {
 }
 
 impl Session {
-    /// What the next step depends on besides the world's state, the source and what enters.
+    /// Memory that the next step depends on besides the world's state, the source and what enters.
     pub(crate) fn memory(&self) -> MemoryRef<'_> {
         MemoryRef { steps: self.steps, set: SetRef(self), hands: HandMemoriesRef(self) }
     }
@@ -151,7 +151,7 @@ impl Session {
 }
 
 impl Memory {
-    /// How grips answer to load, one for each hand.
+    /// Reflexes of grips, one for each hand.
     pub(crate) fn reflexes(&self) -> Vec<Option<Reflex>> {
         self.grips.iter().map(|grip| grip.as_ref().map(GripMemory::reflex)).collect()
     }

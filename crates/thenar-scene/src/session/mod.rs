@@ -132,7 +132,7 @@ impl Session {
         self.steps
     }
 
-    /// What it was made from; `None` for a scene that a program has changed.
+    /// Source that it was made from; `None` for a scene that a program has changed.
     pub fn source(&self) -> Option<&Source> {
         self.source.as_ref()
     }
@@ -174,12 +174,12 @@ impl Session {
         responds
     }
 
-    /// What acted in the last step.
+    /// Input of the last step.
     pub fn input(&self) -> &Input {
         &self.input
     }
 
-    /// What the last step reported.
+    /// Report of the last step.
     pub fn report(&self) -> &StepReport {
         &self.report
     }
@@ -252,8 +252,8 @@ impl Session {
         Ok((LivePose::Angles { wrist, angles }, misses))
     }
 
-    /// What presses on the palm, thumb, index, middle, ring and little finger of a hand; zero for
-    /// a hand without flesh.
+    /// Loads on the palm, thumb, index, middle, ring and little finger of a hand; zero for a hand
+    /// without flesh.
     ///
     /// # Panics
     /// When there is no hand `hand`.
@@ -271,12 +271,12 @@ impl Session {
         &self.built.meshes
     }
 
-    /// How each rigid body of the world looks.
+    /// Appearance of each rigid body of the world.
     pub fn looks(&self) -> &[RigidLook] {
         &self.built.looks
     }
 
-    /// Where a picture is taken from, if the scene says.
+    /// Viewpoint of pictures, if the scene gives one.
     pub fn camera(&self) -> Option<&Camera> {
         self.scene.camera.as_ref()
     }

@@ -164,7 +164,7 @@ fn place_bound(world: &mut World, soft: u32) {
     world.set_nodes(soft, &nodes);
 }
 
-/// Where the text is not at hand, or has been changed, the key alone has to say where.
+/// Names a fault by its key alone, where the text is not at hand or has been changed.
 fn unlocated(file: &Path) -> impl Fn(Fault) -> SceneError {
     move |fault| SceneError::World {
         file: file.to_path_buf(),

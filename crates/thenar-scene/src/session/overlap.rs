@@ -1,4 +1,4 @@
-//! What overlaps where a scene begins.
+//! Overlaps of bodies where a scene begins.
 
 use super::{PARTS, Session};
 use crate::math::Vec3;
@@ -9,12 +9,12 @@ use thenar_core::world::Overlap;
 /// Two bodies that a scene starts inside each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartOverlap {
-    /// What the scene calls the bodies; of a hand, its name and the part that is deepest:
+    /// Names of the bodies in the scene; of a hand, its name and the part that is deepest:
     /// `right (thumb)`.
     pub bodies: [String; 2],
-    /// How deep \[m\].
+    /// Depth of the overlap \[m\].
     pub depth: f64,
-    /// Where they are deepest, world \[m\].
+    /// Place where they are deepest, world \[m\].
     pub place_W: Vec3,
 }
 

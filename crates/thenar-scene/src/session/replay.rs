@@ -47,7 +47,7 @@ impl Session {
         Ok(())
     }
 
-    /// Refuses a hand that poses cannot move: nothing was ever told of it.
+    /// Refuses a hand that poses cannot move: no pose ever reached it.
     fn tracked(&self, hand: usize) -> Result<(), String> {
         match self.live.get(hand) {
             Some(Ok(_)) => Ok(()),

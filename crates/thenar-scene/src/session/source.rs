@@ -1,4 +1,4 @@
-//! What a session was made from.
+//! Source of a session.
 
 use crate::build::USUAL_PRESET;
 use crate::format::PresetWord;

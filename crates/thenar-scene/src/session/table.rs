@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// the mean pressure; what version 1 gave is there under the same names.
 const VERSION: u32 = 2;
 
-/// How a table is written.
+/// Format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableFormat {
     /// A header `time [s],name [unit],…`, then one line per row.

@@ -1,4 +1,4 @@
-//! What a person should know of a scene before it runs.
+//! Warnings about a scene before it runs.
 
 use super::Session;
 use crate::build::is_papers_by_solver;
@@ -9,7 +9,7 @@ use thenar_core::model::SolverKind;
 const TWO_STEP_IN_BONE_MAX: f64 = 1e-3;
 
 impl Session {
-    /// What is known to go wrong in the scene as it is set, a sentence each; empty when nothing is.
+    /// Known problems of the scene as it is set, a sentence each; empty when there are none.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.world.stability_warnings();
         let two_step = self.world.desc().solver.kind == SolverKind::TwoStep;
@@ -29,8 +29,8 @@ impl Session {
         warnings
     }
 
-    /// What the scene means beyond what it says, a sentence each: hands that are not the usual ones
-    /// because of the solver.
+    /// Meanings of the scene beyond what it says, a sentence each: hands that are not the usual
+    /// ones because of the solver.
     pub fn notes(&self) -> Vec<String> {
         let note = |hand: &Hand| {
             format!(

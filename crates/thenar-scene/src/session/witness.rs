@@ -8,8 +8,8 @@ use crate::tuning::SettingValue;
 use std::fmt::Debug;
 use thenar_core::world::{State, Target};
 
-/// What enters a session from outside. The same entries before the same steps of a session from the
-/// same source give the same bits.
+/// Input that enters a session from outside. The same entries before the same steps of a session
+/// from the same source give the same bits.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry<'a> {
     /// [`Session::live_pose`] took a pose.
@@ -47,7 +47,7 @@ pub enum Entry<'a> {
     Grip {
         /// Number of the hand.
         hand: usize,
-        /// What it grips, and how.
+        /// Order that the hand follows.
         order: &'a Order,
     },
     /// [`Session::release`] of a hand.

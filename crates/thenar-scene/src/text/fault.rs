@@ -1,10 +1,10 @@
-//! What is wrong with a scene, and where.
+//! Faults of a scene, and their places.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use thenar_input::brief;
 
-/// Where a value was written.
+/// Place where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SourcePlace {
     /// Bytes of the scene file.
@@ -20,7 +20,7 @@ pub struct Fault {
     pub place: SourcePlace,
     /// Full key, e.g. `rigid[0].mass`; empty for the file as a whole.
     pub key: String,
-    /// What was expected and what was found.
+    /// Account of what was expected and found.
     pub problem: String,
 }
 
@@ -38,7 +38,7 @@ pub enum SceneError {
         column: usize,
         /// Full key, e.g. `rigid[0].mass`; empty when the text is not TOML.
         key: String,
-        /// What was expected and what was found.
+        /// Account of what was expected and found.
         problem: String,
     },
     /// A value given by an override such as `--set`.
@@ -48,7 +48,7 @@ pub enum SceneError {
         text: String,
         /// Full key.
         key: String,
-        /// What was expected and what was found.
+        /// Account of what was expected and found.
         problem: String,
     },
     /// A file that cannot be read.
@@ -62,7 +62,7 @@ pub enum SceneError {
     /// No such built-in scene and no such file.
     #[error("no scene `{name}`: there is no such file, and the built-in scenes are {known}")]
     Unknown {
-        /// What was asked for.
+        /// Name that was asked for.
         name: String,
         /// Names of built-in scenes.
         known: String,

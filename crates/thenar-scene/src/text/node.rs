@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 pub struct Node {
     /// The value.
     pub value: Value,
-    /// Where it was written.
+    /// Place where it was written.
     pub place: SourcePlace,
 }
 
@@ -37,7 +37,7 @@ pub enum Value {
 pub struct Entry {
     /// Name of the key.
     pub key: String,
-    /// Where the name was written.
+    /// Place where the name was written.
     pub place: SourcePlace,
     /// Value of the key.
     pub node: Node,

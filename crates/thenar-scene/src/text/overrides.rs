@@ -10,7 +10,7 @@ const PARTS_MAX: usize = 80;
 /// A dotted key and its value, e.g. `rigid.0.mass` and `2.5`.
 #[derive(Clone, Debug)]
 pub struct Override {
-    /// As it was given.
+    /// Text as it was given.
     pub text: String,
 }
 

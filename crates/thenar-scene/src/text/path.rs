@@ -13,7 +13,7 @@ pub enum Step<'a> {
     Index(usize),
 }
 
-/// What is known about the value being read.
+/// Context of the value being read.
 #[derive(Clone, Copy, Debug)]
 pub struct Cx<'a> {
     parent: Option<&'a Cx<'a>>,

@@ -84,13 +84,13 @@ impl Range {
     pub const WORK: &'static Range = &closed(1.0, 1e15);
     /// A number of iterations.
     pub const ITERATIONS: &'static Range = &closed(1.0, 1e6);
-    /// How often a step is halved.
+    /// A number of halvings of a step.
     pub const HALVINGS: &'static Range = &closed(0.0, 10.0);
     /// Cells along one edge.
     pub const CELLS: &'static Range = &closed(1.0, 400.0);
     /// A number of tetrahedra asked for.
     pub const TETS: &'static Range = &closed(20.0, 200_000.0);
-    /// How fine a graded mesh is.
+    /// Fineness of a graded mesh.
     pub const DETAIL: &'static Range = &closed(DETAILS[0], DETAILS[1]);
     /// The version of the format.
     pub const VERSION: &'static Range = &closed(1.0, 1.0);

@@ -1,4 +1,4 @@
-//! How the kinds of values are read and described.
+//! Reading and description of the kinds of values.
 
 use super::{Cx, Defs, Fault, Node, Range, SourcePlace, Step, Value, nearest};
 use crate::math::Vec3;
@@ -35,7 +35,7 @@ pub fn parse<T: Read>(root: &Node) -> Result<T, Fault> {
 pub struct At<T> {
     /// The value.
     pub value: T,
-    /// Where it was written.
+    /// Place where it was written.
     pub place: SourcePlace,
     /// Full key of the value.
     pub key: String,

@@ -1,4 +1,4 @@
-//! What settings do to a description.
+//! Effects of settings on a description.
 
 use std::ops::Range;
 use thenar_core::Vec3;

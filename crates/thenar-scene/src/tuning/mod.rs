@@ -22,7 +22,7 @@ pub enum SettingValue {
     Choice(String),
 }
 
-/// How a slider should divide a range.
+/// Division of a range by a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
@@ -32,7 +32,7 @@ pub enum Scale {
     Log,
 }
 
-/// What a setting may be.
+/// Values that a setting may have.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Range {
@@ -59,7 +59,7 @@ pub struct Setting {
     pub key: &'static str,
     /// Name for people.
     pub label: &'static str,
-    /// What a change does, in plain words.
+    /// Effect of a change, in plain words.
     pub help: &'static str,
     /// Heading it belongs under.
     pub group: &'static str,
@@ -69,7 +69,7 @@ pub struct Setting {
     pub value: SettingValue,
     /// The scene's own value.
     pub own: SettingValue,
-    /// What it may be.
+    /// Values that it may have.
     #[serde(flatten)]
     pub range: Range,
 }
@@ -77,12 +77,12 @@ pub struct Setting {
 /// Why a setting was refused. Nothing has changed then.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingError {
-    /// There is no such setting here.
+    /// No setting here has this key.
     #[error("no setting {} in this scene{hint}", quoted(key))]
     Unknown {
         /// Key given.
         key: String,
-        /// What may have been meant.
+        /// Suggestion of a key that may have been meant.
         hint: String,
     },
     /// The value is not one of those allowed.
@@ -90,9 +90,9 @@ pub enum SettingError {
     Value {
         /// Key of the setting.
         key: &'static str,
-        /// What is allowed.
+        /// Description of the values allowed.
         expected: String,
-        /// What was given.
+        /// Value that was given.
         got: String,
     },
     /// The simulator refused the changed world.
@@ -110,9 +110,9 @@ pub enum SettingError {
 pub struct Tuning {
     /// The world as the scene describes it.
     base: WorldDesc,
-    /// What is known of its bodies.
+    /// Bodies of the scene, by what they are.
     parts: apply::SceneBodies,
-    /// What was set, by key.
+    /// Settings that were changed, by key.
     set: BTreeMap<&'static str, SettingValue>,
 }
 
@@ -157,7 +157,7 @@ impl Tuning {
         Ok((tuning, desc))
     }
 
-    /// What was set, by key.
+    /// Returns the settings that were changed, by key.
     pub(crate) fn changed(&self) -> impl Iterator<Item = (&'static str, &SettingValue)> {
         self.set.iter().map(|(key, value)| (*key, value))
     }

@@ -13,7 +13,7 @@ use tokio_rustls::rustls::pki_types::PrivateKeyDer;
 /// A day before now, as clocks differ, to a month after.
 const VALID: [Duration; 2] = [Duration::from_secs(86_400), Duration::from_secs(30 * 86_400)];
 
-/// What TLS needs, and how to recognise it.
+/// TLS certificate ready to serve, and the fingerprint to recognise it by.
 pub struct Certificate {
     /// Shakes hands.
     pub acceptor: TlsAcceptor,

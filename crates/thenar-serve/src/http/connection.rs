@@ -21,7 +21,7 @@ const HEAD_BYTES: usize = 16 * 1024;
 /// The first byte of a TLS connection: a handshake record.
 const TLS_HANDSHAKE: u8 = 0x16;
 
-/// What plain HTTP gets where TLS is spoken.
+/// Answer to plain HTTP where TLS is spoken.
 const SPEAK_TLS: &[u8] = b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain\r\n\
     Connection: close\r\n\r\nThis server speaks HTTPS only: the address begins with https://\n";
 

@@ -27,7 +27,7 @@ struct Tables {
     strangers: HashMap<u64, Stranger>,
     /// Connections of clients that were let in, by address.
     admitted: HashMap<IpAddr, usize>,
-    /// Where somebody was let in once.
+    /// Addresses from which somebody was let in once.
     paired: HashSet<IpAddr>,
 }
 

@@ -1,4 +1,4 @@
-//! Who may ask: before anything else is looked at, every request passes here.
+//! Guard at the door: before anything else is looked at, every request passes here.
 
 use super::site::{Door, Site};
 use super::token::{in_cookies, in_query};
@@ -29,7 +29,7 @@ const NO_TOKEN: Refusal = Refusal(
 pub const TOO_MANY: Refusal =
     Refusal(StatusCode::TOO_MANY_REQUESTS, "Too many wrong pairing tokens from your address.");
 
-/// How a request came in.
+/// Admission of a request.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Admission {
     /// The request may be answered.

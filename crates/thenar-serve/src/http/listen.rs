@@ -4,7 +4,7 @@ use super::options::{Options, Port, Reach};
 use std::io::{Error, ErrorKind, Result};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, UdpSocket};
 
-/// How many ports are tried from the wanted one on.
+/// Number of ports that are tried from the wanted one on.
 const PORTS: u16 = 20;
 
 /// Takes the port; nothing is accepted yet.

@@ -38,7 +38,7 @@ use token::{Guesses, Token};
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::watch;
 
-/// How long sessions get to say goodbye.
+/// Time that sessions get to say goodbye.
 const GOODBYE: Duration = Duration::from_secs(2);
 
 /// Why there is no server.
@@ -52,10 +52,10 @@ pub enum StartError {
     Listen {
         /// The port that was asked for.
         port: u16,
-        /// What the system says.
+        /// Cause that the system reports.
         source: std::io::Error,
     },
-    /// There is no certificate for HTTPS.
+    /// A certificate for HTTPS could not be made.
     #[error("cannot make a certificate: {0}")]
     Certificate(Box<dyn std::error::Error + Send + Sync>),
     /// The system refuses a thread, an event queue or random numbers.
@@ -102,7 +102,7 @@ impl Server {
         Ok(Self { address, urls, fingerprint, stop, thread: Some(thread) })
     }
 
-    /// Where it listens.
+    /// Address on which the server listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }

@@ -1,4 +1,4 @@
-//! What a server is asked to do, and what it allows.
+//! Options of a server, and limits on its clients.
 
 use std::net::IpAddr;
 use std::time::Duration;
@@ -21,7 +21,7 @@ pub enum Port {
     From(u16),
 }
 
-/// How to serve.
+/// Options for serving.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The computers that can reach the server.
@@ -30,7 +30,7 @@ pub struct Options {
     pub address: Option<IpAddr>,
     /// The port to listen on.
     pub port: Port,
-    /// What clients may do.
+    /// Limits on what clients may do.
     pub limits: RequestLimits,
 }
 

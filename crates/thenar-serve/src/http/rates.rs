@@ -1,4 +1,4 @@
-//! How often something may happen.
+//! Limits on how often something may happen.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -32,7 +32,7 @@ impl Bucket {
         enough
     }
 
-    /// When one more will be in it, as of the last look.
+    /// Time at which the bucket will hold one more, as of the last look.
     pub fn ready(&self) -> Instant {
         self.seen + Duration::from_secs_f64((1.0 - self.level).max(0.0) / self.rate)
     }

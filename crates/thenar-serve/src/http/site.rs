@@ -1,4 +1,4 @@
-//! What all connections share.
+//! State that all connections share.
 
 use super::crowd::CrowdSeat;
 use super::guard::{self, Admission, Refusal};
@@ -22,7 +22,7 @@ use tokio::sync::watch;
 /// The answer to who may ask, as too many others do.
 const FULL: Refusal = Refusal(StatusCode::SERVICE_UNAVAILABLE, "Too many connections.");
 
-/// How long a guess too many waits for its answer.
+/// Delay of the answer to one wrong guess too many.
 const SLOW: Duration = Duration::from_secs(1);
 
 /// The clients that are let in.
@@ -41,7 +41,7 @@ pub enum Door {
     },
 }
 
-/// What all connections share.
+/// State that all connections share.
 #[derive(Debug)]
 pub struct Site {
     /// The way to the simulation.
@@ -50,7 +50,7 @@ pub struct Site {
     pub assets: BTreeMap<String, Asset>,
     /// The clients that are let in.
     pub door: Door,
-    /// What clients may do.
+    /// Limits on what clients may do.
     pub limits: RequestLimits,
     /// Places of sessions.
     pub hall: Hall,

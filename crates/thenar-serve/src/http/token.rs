@@ -71,7 +71,7 @@ const ADDRESSES: usize = 1024;
 /// Number of wrong tokens within [`WINDOW`] after which an address gets its answers late.
 const FREE_GUESSES: u32 = 10;
 
-/// How long a wrong token is remembered.
+/// Time for which a wrong token is remembered.
 const WINDOW: Duration = Duration::from_secs(60);
 
 /// Counts wrong tokens by address. The right token always works: at 128 bits guessing is no

@@ -18,7 +18,7 @@ pub struct Wish {
     pub recipe: Recipe,
 }
 
-/// What became of a wish.
+/// Outcome of a wish.
 pub type BuildResult = Result<Box<ReadyScene>, String>;
 
 /// A scene in the making.
@@ -49,7 +49,7 @@ impl Builder {
         &self.catalogue
     }
 
-    /// What is wished for last, unless it is done.
+    /// Recipe that was wished for last, unless it is done.
     pub fn wished(&self) -> Option<&Recipe> {
         let working = self.working.as_ref().map(|work| &work.wish);
         self.next.as_ref().or(working).map(|wish| &wish.recipe)
@@ -64,7 +64,7 @@ impl Builder {
         self.begin();
     }
 
-    /// What has been made since the last call. What has been overtaken by another wish is dropped.
+    /// Takes the scene made since the last call. One that another wish has overtaken is dropped.
     pub fn take(&mut self) -> Option<(Wish, BuildResult)> {
         let made = match self.working.as_ref()?.made.try_recv() {
             Ok(made) => made,

@@ -1,4 +1,4 @@
-//! What clients send, and what comes of it.
+//! Commands from clients, and what comes of them.
 
 use super::builder::Wish;
 use super::run::Loop;

@@ -1,4 +1,4 @@
-//! Who may change anything: one viewer at a time.
+//! Control of the simulation: one viewer at a time may change anything.
 
 use crate::hub::ClientId;
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ impl Control {
         self.holder
     }
 
-    /// How many are there.
+    /// Number of viewers.
     pub fn viewers(&self) -> usize {
         self.viewers.len()
     }

@@ -16,7 +16,7 @@ use tokio::sync::watch;
 /// Between two reports to the page.
 const TELL_EVERY: Duration = Duration::from_millis(250);
 
-/// What a live simulation needs to be felt.
+/// Parts that let a live simulation be felt.
 pub struct Haptics {
     /// The simulation's side of the loop.
     pub port: SimulationPort,

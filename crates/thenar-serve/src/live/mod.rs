@@ -34,7 +34,7 @@ use thenar_scene::session::{Session, StartOverlap, Witness};
 /// Is shown the session after every step; must not take long.
 pub type Watcher = Box<dyn FnMut(&Session) + Send>;
 
-/// How to serve.
+/// Options for serving.
 #[derive(Default)]
 pub struct Options {
     /// Set in the first scene, `key=value` as of `thenar run --set`.
@@ -58,12 +58,12 @@ pub struct Live {
 }
 
 impl Live {
-    /// What is known to go wrong in the first scene, a sentence each.
+    /// Warnings about the first scene, a sentence each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// What overlaps where the first scene begins.
+    /// Overlaps of bodies where the first scene begins.
     pub fn start_overlaps(&self) -> &[StartOverlap] {
         &self.start_overlaps
     }

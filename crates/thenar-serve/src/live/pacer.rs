@@ -8,7 +8,7 @@ const LAG_MAX: Duration = Duration::from_millis(40);
 /// Speed is measured over at least this long.
 const WINDOW: Duration = Duration::from_millis(500);
 
-/// When the next step is due.
+/// Schedule of the steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Pacer {
     due: Instant,
@@ -28,7 +28,7 @@ impl Pacer {
         *self = Self::new(now);
     }
 
-    /// When the next step is due.
+    /// Time at which the next step is due.
     pub fn due(&self) -> Instant {
         self.due
     }

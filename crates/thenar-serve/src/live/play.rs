@@ -11,18 +11,18 @@ use thenar_scene::tuning::SettingValue;
 
 /// After its end the script stays for so long before it starts again \[s\].
 const HOLD: f64 = 1.5;
-/// When whoever moved a hand has gone, the script takes over after so long.
+/// Time after which the script takes over once whoever moved a hand has gone.
 const ABANDONED: Duration = Duration::from_secs(2);
 
 /// A session and what moves its hands.
 #[derive(Debug)]
 pub struct Play {
     session: Session,
-    /// When whoever moved the hands had gone.
+    /// Time at which whoever moved the hands left.
     abandoned: Option<Instant>,
     /// Newest pose message that acts.
     pose: u32,
-    /// What was told to be amiss with a grip.
+    /// Trouble with a grip that was last reported.
     told: Option<Trouble>,
 }
 
@@ -167,7 +167,7 @@ impl Play {
         }
     }
 
-    /// What has newly gone amiss with a grip.
+    /// Returns a message on trouble with a grip, if it is new.
     pub fn grip_news(&mut self) -> Option<String> {
         let hand = (0..self.session.hands().len()).find(|hand| {
             self.session.grip_state(*hand).is_some_and(|state| state.trouble.is_some())

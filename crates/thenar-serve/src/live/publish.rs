@@ -1,4 +1,4 @@
-//! What goes out: models, and snapshots at a rate that eyes can use.
+//! Messages that go out: models, and snapshots at a rate that eyes can use.
 
 use crate::hub::Desk;
 use crate::protocol::{Pace, Snapshots, set_epoch};

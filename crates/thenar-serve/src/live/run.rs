@@ -35,21 +35,21 @@ pub struct Loop {
     pub(super) control: Control,
     /// `None` after a failure, until the scene has been made again.
     pub(super) play: Option<Play>,
-    /// What plays, or played last.
+    /// Recipe that plays, or played last.
     pub(super) recipe: Recipe,
     pub(super) paused: bool,
     pub(super) speed: f64,
-    /// What clients have set in the scene, to be set again when its hands change.
+    /// Settings that clients have made in the scene, to be made again when its hands change.
     pub(super) set: Vec<(String, SettingValue)>,
-    /// What is to be set before the next step, and for whom.
+    /// Settings to be made before the next step, and for whom.
     pub(super) to_set: Vec<(ClientId, String, SettingValue)>,
     /// Something of the status may have changed.
     pub(super) changed: bool,
-    /// When the status was last told.
+    /// Time of the last status message.
     told: Instant,
     /// Number of the last pose message of whoever holds control, of the left and right hand.
     pub(super) pose_numbers: [u32; 2],
-    /// When a client was last told that there is no such hand.
+    /// Time when a client was last informed that there is no such hand.
     pub(super) scolded: Option<Instant>,
     pub(super) pacer: Pacer,
     pub(super) publisher: Publisher,

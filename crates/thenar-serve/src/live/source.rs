@@ -9,7 +9,7 @@ use thenar_scene::build::Files;
 use thenar_scene::hands::Hands;
 use thenar_scene::session::{Session, Source, builtin, builtins, live_overrides, read, read_scene};
 
-/// Where the first scene comes from.
+/// Source of the first scene.
 #[derive(Clone, Debug)]
 pub enum SceneSource {
     /// One that comes with the program.
@@ -27,14 +27,14 @@ pub struct Catalogue {
     first: (String, Vec<String>),
 }
 
-/// What is to be made ready.
+/// Recipe of a scene that is to be made ready.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
     /// Name of the scene.
     pub scene: String,
     /// The hands in the scene.
     pub hands: Hands,
-    /// How long.
+    /// Lengths of the hands.
     pub lengths: Lengths,
 }
 

@@ -22,9 +22,9 @@ pub struct Status<'a> {
     pub loading: Option<&'a str>,
     /// The hands in the scene.
     pub hands: Hands,
-    /// What went wrong in the simulation, if anything.
+    /// Failure of the simulation, if any.
     pub problem: Option<&'a str>,
-    /// What can be set.
+    /// Settings that can be changed.
     pub settings: Vec<Setting>,
     /// The recording that is shown; absent when a scene is live.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,7 +43,7 @@ pub struct Recorded<'a> {
 }
 
 impl Status<'_> {
-    /// As text.
+    /// Returns the message as text.
     pub fn text(&self) -> String {
         // Texts and finite numbers always have a JSON form.
         serde_json::to_string(self).unwrap_or_default()

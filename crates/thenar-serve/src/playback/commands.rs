@@ -1,4 +1,4 @@
-//! What clients may do with a recording.
+//! Commands that clients may give to a recording.
 
 use super::rhythm::Rhythm;
 use super::run::Loop;

@@ -18,9 +18,9 @@ pub struct Deck {
     index: Index,
     /// Time in the recording of what the session shows \[s\].
     at: f64,
-    /// What the last step took when it was recorded.
+    /// Cost of the last step when it was recorded.
     cost: Duration,
-    /// Where to go; it may take many steps.
+    /// Time to go to \[s\]; it may take many steps.
     goal: Option<f64>,
     failed: Option<String>,
 }
@@ -61,7 +61,7 @@ impl Deck {
         self.index.end()
     }
 
-    /// What the last step took when it was recorded.
+    /// Cost of the last step when it was recorded.
     pub fn cost(&self) -> Duration {
         self.cost
     }
@@ -121,7 +121,7 @@ impl Deck {
         false
     }
 
-    /// What is wrong with what is shown, if anything.
+    /// Problem with what is shown, if any.
     pub fn problem(&self) -> Option<String> {
         if let Some(failed) = &self.failed {
             return Some(failed.clone());

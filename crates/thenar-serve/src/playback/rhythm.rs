@@ -1,8 +1,8 @@
-//! When a moment of a recording is due. Reads no clock itself.
+//! Times at which the moments of a recording are due. Reads no clock itself.
 
 use std::time::{Duration, Instant};
 
-/// What lags behind by more is given up, so that a slow machine shows slow motion.
+/// Longest lag that is made up for; beyond it, a slow machine shows slow motion.
 const LAG_MAX: Duration = Duration::from_millis(40);
 /// Longer silences of a recording (nobody watched, or it was paused) are made so short \[s\].
 const SILENCE_MAX: f64 = 1.0;
@@ -24,7 +24,7 @@ impl Rhythm {
         Self { last: (at, now), window: (0.0, now), reached: None }
     }
 
-    /// When the next moment is due, at this speed.
+    /// Time at which the next moment is due, at this speed.
     pub fn due(&self, at: f64, speed: f64) -> Instant {
         let (last, shown) = self.last;
         shown + Duration::from_secs_f64((at - last).clamp(0.0, SILENCE_MAX) / speed)

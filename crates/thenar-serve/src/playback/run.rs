@@ -50,7 +50,7 @@ pub struct Loop {
     told: Instant,
     pub(super) changed: bool,
     pub(super) problem: Option<String>,
-    /// When a client was last told that poses move nothing.
+    /// Time when a client was last informed that poses move nothing.
     pub(super) scolded: Option<Instant>,
     pub(super) started: Instant,
 }

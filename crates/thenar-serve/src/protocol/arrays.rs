@@ -2,7 +2,7 @@
 
 use thenar_core::{Pose, Vec3};
 
-/// Where an array lies, as the JSON says it.
+/// Location of an array, as the JSON gives it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Array {
     offset: usize,

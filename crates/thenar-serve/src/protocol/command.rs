@@ -47,7 +47,7 @@ pub enum Command {
     Hands {
         /// Hands that are asked for.
         which: Hands,
-        /// How long they are.
+        /// Lengths of the hands.
         #[serde(default)]
         lengths: Lengths,
     },
@@ -58,7 +58,7 @@ pub enum Command {
         /// Kind of grip.
         #[serde(default)]
         kind: GripKind,
-        /// What, by name; the nearest body if none is given.
+        /// Name of the object; the nearest body if none is given.
         #[serde(default)]
         object: Option<String>,
         /// With what force \[N\]; enough for the object's weight if none is given.

@@ -25,9 +25,9 @@ pub const TEXT_BYTES_MAX: usize = 4096;
 
 /// Kinds of binary messages.
 pub mod kind {
-    /// What is in the scene.
+    /// Model of the scene.
     pub const MODEL: u8 = 1;
-    /// Where everything is.
+    /// Snapshot of the places of everything.
     pub const SNAPSHOT: u8 = 2;
     /// 25 tracked joints of a hand.
     pub const JOINTS: u8 = 16;

@@ -16,7 +16,7 @@ pub const LOST_BYTES: usize = 16;
 const FAR: f64 = 10.0;
 /// Nothing of a hand is thicker \[m\].
 const THICK: f64 = 0.5;
-/// How far the length of a quaternion may be from one.
+/// Most that the length of a quaternion may differ from one.
 const UNIT_TOLERANCE: f64 = 0.02;
 
 /// A pose message.
@@ -28,11 +28,11 @@ pub struct PoseMessage {
     pub number: u32,
     /// The client's clock \[s\].
     pub clock: f64,
-    /// What it says.
+    /// Contents of the message.
     pub body: PoseBody,
 }
 
-/// What a pose message says.
+/// Contents of a pose message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PoseBody {
     /// The joints of WebXR Hand Input.

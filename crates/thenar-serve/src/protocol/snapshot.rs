@@ -14,7 +14,7 @@ pub mod flags {
     pub const FAILED: u16 = 2;
     /// Slower than real time.
     pub const SLOW: u16 = 4;
-    /// There were more contacts than a snapshot holds.
+    /// More contacts than a snapshot holds.
     pub const CONTACTS_LEFT_OUT: u16 = 8;
     /// The script moves the hands.
     pub const SCRIPT: u16 = 16;
@@ -22,7 +22,7 @@ pub mod flags {
     pub const TRACKED: u16 = 32;
 }
 
-/// What a snapshot says that the session does not know.
+/// Parts of a snapshot that the session does not know.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {
     /// Flags; those of failure and of contacts left out are added.
@@ -33,7 +33,7 @@ pub struct Pace {
     pub number: u32,
     /// Cost of the last step \[ms\].
     pub cost_ms: f64,
-    /// What a step may cost at the chosen speed \[ms\].
+    /// Cost that a step may have at the chosen speed \[ms\].
     pub budget_ms: f64,
     /// Simulated over real time, as reached.
     pub speed: f64,

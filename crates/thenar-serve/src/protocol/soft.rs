@@ -94,7 +94,7 @@ fn surface(
     }
 }
 
-/// What binds the nodes to bones; nodes bound to none have weights of zero.
+/// Binding of the nodes to bones; nodes bound to none have weights of zero.
 fn skin(world: &World, index: u32, arrays: &mut Arrays) -> Skin {
     let range = world.node_range(index);
     let mut bones = vec![[0_u16; 2]; range.len()];

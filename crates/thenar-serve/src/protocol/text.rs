@@ -22,7 +22,7 @@ pub fn welcome(client: ClientId, scenes: &[SceneName]) -> String {
 /// Most messages of devices and loop that are sent.
 const MESSAGES: usize = 5;
 
-/// How devices do. `armed_by` must stay for forces to last.
+/// Message on the state of the devices. `armed_by` must stay for forces to last.
 pub fn touch(status: &Status, armed_by: Option<ClientId>) -> String {
     let us = |ns: u64| ns as f64 * 1e-3;
     let devices = status.devices.iter().map(|device| {
@@ -73,7 +73,7 @@ pub fn touch(status: &Status, armed_by: Option<ClientId>) -> String {
     .to_string()
 }
 
-/// What was refused and why.
+/// Message of what was refused and why.
 pub fn error(message: &str) -> String {
     json!({"type": "error", "message": message}).to_string()
 }

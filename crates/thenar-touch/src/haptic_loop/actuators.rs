@@ -1,5 +1,5 @@
-//! What one display shows of one hand: every force goes through a safety guard here, and what is no
-//! force is shown only while the guards let forces through.
+//! Actuators of one display for one hand: every force goes through a safety guard here, and other
+//! outputs are shown only while the guards let forces through.
 
 use super::hand::LoopHand;
 use crate::safety::{Bank, LimitError, Limits, Signal, Status, Trip};
@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 /// A finger stop engages above the first force and lets go below the second \[N\].
 const STOP_FORCES: [f64; 2] = [0.3, 0.1];
 
-/// What a display can do, and may.
+/// Abilities of a display, and their limits.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Ability {
-    /// What it renders.
+    /// Kind of rendering.
     pub rendering: Rendering,
     /// Limits of its forces.
     pub limits: Limits,
@@ -20,7 +20,7 @@ pub struct Ability {
     pub torque_limits: Option<Limits>,
 }
 
-/// What came in and went out in a tick, per axis: fingers, or x, y, z.
+/// Input and output of one axis in a tick: a finger, or x, y or z.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Force asked for \[N\].
@@ -48,7 +48,7 @@ enum Guards {
     Point(Bank<3>),
 }
 
-/// When things were last heard, for the guards' stale checks.
+/// News of a device, for the guards' stale checks.
 #[derive(Clone, Copy, Debug)]
 pub struct Heard {
     /// The device \[ns\].
@@ -109,12 +109,12 @@ impl Actuators {
         }
     }
 
-    /// What went through in the last tick.
+    /// Returns the inputs and outputs of the last tick.
     pub fn axes(&self) -> &[Axis; DIGITS] {
         &self.axes
     }
 
-    /// What to show after a tick of the hand.
+    /// Returns the output to show after a tick of the hand.
     pub fn tick(&mut self, now_ns: u64, hand: &mut LoopHand, heard: Heard) -> HandOutput {
         let mut output = HandOutput::released(hand.side(), now_ns);
         let (simulation_ns, tracking_ns) = (hand.simulated_ns(), hand.tracked_ns());

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thenar_core::histogram::Histogram;
 use thenar_core::model::Side;
 
-/// What arming a device means; shown to the user who does it.
+/// Statement of what arming a device means, shown to the user who does it.
 pub const STATEMENT: &str = "Research use only. This program and its safety limits are certified \
                              for nothing. Arm a device only if you can take the hand out of it, or \
                              switch it off, at any moment.";
@@ -25,15 +25,15 @@ pub struct Control {
     pub(super) enabled: AtomicBool,
     /// The loop has ended by a panic.
     pub(super) failed: AtomicBool,
-    /// When the last tick ended \[ns\]; 0 before the first.
+    /// Time at which the last tick ended \[ns\]; 0 before the first.
     pub(super) beat_ns: AtomicU64,
-    /// How often the watchdog had to step in.
+    /// Number of times that the watchdog had to step in.
     pub(super) barks: AtomicU64,
     /// Records that found no room.
     pub(super) lost: AtomicU64,
     /// The system has refused to lock memory.
     pub(super) unlocked: AtomicBool,
-    /// What threads without a place in the status have to report.
+    /// Reports of threads without a place in the status.
     notes: Mutex<Vec<String>>,
     pub(super) status: Mutex<Status>,
 }
@@ -114,13 +114,13 @@ impl Remote {
         self.0.enabled.store(held, Ordering::Release);
     }
 
-    /// How things stand, as of some hundredths of a second ago.
+    /// Returns the loop's status some hundredths of a second ago.
     pub fn status(&self) -> Status {
         self.0.status().clone()
     }
 }
 
-/// What the displays are doing.
+/// State of the displays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum State {
     /// Nothing has been armed: zeros go out.
@@ -199,7 +199,7 @@ pub struct HandStatus {
     pub forces: [[f64; 2]; crate::DIGITS],
 }
 
-/// How the loop does.
+/// Status of the loop.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
     /// State of the display that passes least.
@@ -212,13 +212,13 @@ pub struct Status {
     pub missed: u64,
     /// Records that found no room: the monitor was kept waiting.
     pub lost: u64,
-    /// How often the watchdog stepped in.
+    /// Number of times that the watchdog stepped in.
     pub barks: u64,
     /// Time between ticks \[ns\].
     pub period: Histogram,
-    /// How much later than due ticks began \[ns\].
+    /// Lateness of ticks at their beginning \[ns\].
     pub late: Histogram,
-    /// What a tick costs \[ns\].
+    /// Cost of a tick \[ns\].
     pub cost: Histogram,
     /// From the reception of a pose to the output that was computed from it \[ns\].
     pub latency: Histogram,
@@ -226,7 +226,7 @@ pub struct Status {
     pub devices: Vec<DeviceStatus>,
     /// The hands.
     pub hands: Vec<HandStatus>,
-    /// What the system refused, such as real-time priority.
+    /// Refusals by the system, such as of real-time priority.
     pub warnings: Vec<String>,
     /// Messages of devices and of the loop since the start, the last few.
     pub messages: Vec<String>,

@@ -14,10 +14,10 @@ use crate::{ForceDisplay, HandOutput, Rendering, Tracker};
 use rtrb::Producer;
 use thenar_track::live::Mover;
 
-/// What the loop does each tick.
+/// Core of the loop: its work in each tick.
 pub struct Core {
     trackers: Vec<Box<dyn Tracker>>,
-    /// What each display can do.
+    /// Abilities of each display.
     displays: Vec<Ability>,
     hands: Vec<LoopHand>,
     /// Display by display, hand by hand.
@@ -26,18 +26,18 @@ pub struct Core {
     /// Per display, when it was last heard \[ns\].
     heard: Vec<u64>,
     armed: bool,
-    /// What stopped all forces since they were armed. It outlives the hands and their guards.
+    /// Trip that stopped all forces since they were armed. It outlives the hands and their guards.
     stopped: Option<Trip>,
-    /// What will have stopped all forces once they have faded.
+    /// Trip that will have stopped all forces once they have faded.
     fading: Option<Trip>,
     records: Producer<TickRecord>,
-    /// What enters is kept by this for an incident.
+    /// Tape that keeps all inputs for an incident.
     tape: Option<Tape>,
     /// Records that found no room.
     lost: u64,
 }
 
-/// When a tick happened.
+/// Timing of a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickTime {
     /// Present time \[ns\].
@@ -164,7 +164,7 @@ impl Core {
         self.stopped.or_else(of_guards)
     }
 
-    /// When display `display` was last heard \[ns\], if it ever was.
+    /// Notes when display `display` was last heard \[ns\], if it ever was.
     pub fn hear(&mut self, display: usize, heard_ns: Option<u64>, now_ns: u64) {
         let silent = match self.displays[display].rendering {
             // Vibrating players never answer and cannot hold a hand.
@@ -276,7 +276,7 @@ impl Core {
         }
     }
 
-    /// What each display can do.
+    /// Returns the abilities of each display.
     pub fn displays(&self) -> &[Ability] {
         &self.displays
     }

@@ -1,4 +1,4 @@
-//! What keeps a loop from running.
+//! Errors that keep a loop from running.
 
 /// A setting that makes no sense, or a system that gives no thread.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! What crosses between the simulation's thread and the loop: newest values, in slots in which
+//! Data that cross between the simulation's thread and the loop: newest values, in slots in which
 //! neither side waits for the other.
 
 use crate::{DIGITS, FastToSlow, RigidState, SlowToFast};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use thenar_core::world::{self, State, Target};
 use triple_buffer::{Input, Output, triple_buffer};
 
-/// What a finger touches, as of a simulation frame.
+/// Contact of a finger in a simulation frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FingerContact {
     /// Contact area \[m²\].
@@ -15,7 +15,7 @@ pub struct FingerContact {
     pub pressure_mean: f64,
     /// Largest pressure \[Pa\].
     pub pressure_max: f64,
-    /// How fast the skin slips over what it touches \[m/s\].
+    /// Speed at which the skin slips over what it touches \[m/s\].
     pub slip_speed: f64,
 }
 
@@ -24,9 +24,9 @@ pub struct FingerContact {
 pub struct Frame {
     /// Bones, and how they answer.
     pub bones: SlowToFast,
-    /// When it was made \[ns\]; 0 for the one before the first.
+    /// Time at which the frame was made \[ns\]; 0 for the one before the first.
     pub made_ns: u64,
-    /// Where script or poses want the bones, while nobody leads them.
+    /// Targets of the bones by script or poses, while nobody leads them.
     pub targets: Vec<Option<Target>>,
     /// Thumb first.
     pub contacts: [FingerContact; DIGITS],
@@ -34,7 +34,7 @@ pub struct Frame {
     pub beginnings: u64,
 }
 
-/// Where the loop leads the bones of one hand.
+/// Lead that the loop gives the bones of one hand.
 #[derive(Clone, Debug)]
 pub struct Lead {
     /// False until a tracker has moved the hand: the scene's script does.
@@ -51,7 +51,7 @@ pub struct SlowEnds {
     pub lead: Output<Lead>,
     /// The state of a simulation that runs within the loop.
     pub state: Option<Output<State>>,
-    /// What else acts in it.
+    /// Other inputs of that simulation.
     pub input: Option<Input<world::Input>>,
 }
 
@@ -63,7 +63,7 @@ pub struct FastEnds {
     pub lead: Input<Lead>,
     /// The state of a simulation that runs within the loop.
     pub state: Option<Input<State>>,
-    /// What else acts in it.
+    /// Other inputs of that simulation.
     pub input: Option<Output<world::Input>>,
 }
 

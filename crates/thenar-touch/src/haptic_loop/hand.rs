@@ -31,11 +31,11 @@ pub struct LoopHand {
     live: LiveHand,
     touch: Box<dyn Touch + Send>,
     ends: FastEnds,
-    /// Where `live` wants the bones.
+    /// Targets of the bones, by `live`.
     targets: Vec<Option<Target>>,
     pads: [Option<Pad>; DIGITS],
     readings: [Option<PadReading>; DIGITS],
-    /// How stiff it is felt, and how stiff a turn of the palm is.
+    /// Stiffness with which the hand is felt, and that of a turn of the palm.
     felt: Option<Felt>,
     turn: Option<Felt>,
     report: TickReport,
@@ -282,7 +282,7 @@ impl LoopHand {
         self.palm_velocity = ways.map(|way| if h > 0.0 { (way / h).into() } else { [0.0; 3] });
     }
 
-    /// What each pad feels; `None` for a finger that the hand lacks.
+    /// Returns the reading of each pad; `None` for a finger that the hand lacks.
     pub fn readings(&self) -> &[Option<PadReading>; DIGITS] {
         &self.readings
     }
@@ -305,7 +305,7 @@ impl LoopHand {
         -self.touch.tracked()[pad.bone].pose_WB.vector(&PAD_NORMAL_B)
     }
 
-    /// How late its motion is seen \[s\], as far as that is known.
+    /// Returns the delay with which its motion is seen \[s\], as far as known.
     pub fn seen_late(&self) -> f64 {
         self.felt.as_ref().map_or(0.0, Felt::seen_late)
     }
@@ -335,7 +335,7 @@ impl LoopHand {
         bones.max_by(|a, b| felt.stiffness(*a).total_cmp(&felt.stiffness(*b)))
     }
 
-    /// How far a finger is closed, 0 to 1.
+    /// Returns the closure of a finger, 0 to 1.
     pub fn curl(&self, finger: usize) -> f64 {
         self.live.curl(finger).unwrap_or(0.0)
     }
@@ -345,7 +345,7 @@ impl LoopHand {
         self.ends.frame.output_buffer_mut()
     }
 
-    /// When the simulation was last heard \[ns\].
+    /// Returns the time when the simulation was last heard \[ns\].
     pub fn simulated_ns(&mut self) -> u64 {
         // A simulation within the tick is as new as the tick.
         match (self.touch.world(), self.last_ns) {
@@ -354,7 +354,7 @@ impl LoopHand {
         }
     }
 
-    /// When the hand was last tracked where it is \[ns\].
+    /// Returns the time when the hand was last tracked where it is \[ns\].
     pub fn tracked_ns(&self) -> u64 {
         self.tracked_ns
     }
@@ -374,7 +374,7 @@ impl LoopHand {
         self.fresh_ns
     }
 
-    /// What moves the hand.
+    /// Returns the source of the hand's motion.
     pub fn mover(&self) -> Mover {
         let unseen = self.last_ns.is_some_and(|now_ns| self.is_unseen(now_ns));
         match self.live.mover() {
@@ -388,12 +388,12 @@ impl LoopHand {
         self.tracker.map(|(tracker, _)| tracker)
     }
 
-    /// What the last tick did.
+    /// Returns the report of the last tick.
     pub fn report(&self) -> &TickReport {
         &self.report
     }
 
-    /// Where the bones were taken to be, and where the hand was.
+    /// Returns the touch, with the states of bones and hand.
     pub fn touch(&self) -> &dyn Touch {
         &*self.touch
     }

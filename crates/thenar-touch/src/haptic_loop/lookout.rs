@@ -1,4 +1,4 @@
-//! Which devices there are, and whether they are reached.
+//! Presence of devices: which there are, and whether they are reached.
 
 use super::control::DeviceStatus;
 use crate::{ForceDisplay, Lookout, Tracker};

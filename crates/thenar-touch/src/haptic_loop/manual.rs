@@ -17,9 +17,9 @@ pub struct ManualLoop {
     mode: LoopMode,
     design: CouplingDesign,
     bounds: FeltBounds,
-    /// What ticks did.
+    /// Records of the ticks.
     pub records: Consumer<TickRecord>,
-    /// What entered in the last seconds, where a folder for trips is set.
+    /// Inputs of the last seconds, where a folder for trips is set.
     pub reel: Option<Reel>,
 }
 
@@ -54,7 +54,8 @@ impl ManualLoop {
         SimulationPort::new(self.shared.clone(), self.mode, self.design, self.bounds)
     }
 
-    /// What is kept of the last seconds, with these records of them; `None` where nothing is.
+    /// Returns the incident of the last seconds, with these records of them; `None` where nothing
+    /// is kept.
     pub fn incident(&mut self, reason: &str, records: &[TickRecord]) -> Option<Incident> {
         let displays = self.core(|core| core.displays().to_vec());
         let (reel, frames) = (self.reel.as_mut()?, self.shared.frames.as_ref()?);

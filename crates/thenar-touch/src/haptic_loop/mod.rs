@@ -83,19 +83,19 @@ use std::time::Duration;
 
 /// Records that may wait for the monitor.
 const RECORDS: usize = 16_384;
-/// How long the threads have to end.
+/// Time that the threads have to end.
 const ENDING: Duration = Duration::from_millis(500);
-/// How long the monitor has, which may have an incident of tens of MB to write; forces have ended
-/// by then.
+/// Time that the monitor has to end, perhaps with an incident of tens of MB to write; forces have
+/// ended by then.
 const WRITING: Duration = Duration::from_secs(10);
 /// Name of the monitor's thread.
 const MONITOR: &str = "monitor";
 
-/// What the threads share.
+/// State that the threads share.
 pub struct Shared {
     core: Mutex<Core>,
     displays: Mutex<Vec<Box<dyn ForceDisplay>>>,
-    /// What each of them can do.
+    /// Abilities of each display.
     abilities: Vec<Ability>,
     control: Arc<Control>,
     /// Frames of the last seconds, where incidents are kept.
@@ -239,7 +239,7 @@ impl Drop for HapticLoop {
     }
 }
 
-/// What the system refuses the loop, for a person.
+/// Returns a warning of what the system refuses the loop, for a person.
 fn without(what: &str, cause: &str) -> String {
     format!(
         "the haptic loop runs without {what} ({cause}): ticks will be late on a busy machine; \
@@ -253,7 +253,7 @@ struct Monitored {
     reel: Option<Reel>,
 }
 
-/// What loop, watchdog and monitor work on, and the monitor's ends.
+/// Builds what loop, watchdog and monitor share, and the monitor's ends.
 fn share(
     settings: &Settings,
     trackers: Vec<Box<dyn Tracker>>,

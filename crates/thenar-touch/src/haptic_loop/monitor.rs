@@ -22,7 +22,7 @@ const MESSAGES_EVERY: u32 = 50;
 const DEVICES_EVERY: u32 = 10;
 /// Messages that are kept.
 const MESSAGES: usize = 50;
-/// How much before a trip is written down \[ns\].
+/// Time before a trip that is written down \[ns\].
 const KEPT_NS: u64 = 5_000_000_000;
 /// Incidents of one session that stay: each takes some tens of MB.
 const INCIDENTS: usize = 4;
@@ -36,19 +36,19 @@ pub type Watcher = Box<dyn FnMut(&TickRecord) + Send>;
 pub struct Monitor {
     pub shared: std::sync::Arc<Shared>,
     pub records: Consumer<TickRecord>,
-    /// What entered in the last seconds, where incidents are kept.
+    /// Inputs of the last seconds, where incidents are kept.
     pub reel: Option<Reel>,
     pub watcher: Option<Watcher>,
     /// Incidents written so far that are still there.
     pub incidents: VecDeque<PathBuf>,
-    /// Where trips are written down; `None` to keep no files.
+    /// Folder for records of trips; `None` to keep no files.
     pub folder: Option<PathBuf>,
     pub warnings: Vec<String>,
     /// Devices are asked through these, so that the loop has them to itself.
     pub messengers: Vec<Messenger>,
     /// Through these the monitor sees which devices are there.
     pub lookouts: Lookouts,
-    /// What each display renders, within which limits.
+    /// Rendering of each display, and its limits.
     pub displays: Vec<Ability>,
     pub rate_hz: f64,
 }

@@ -7,7 +7,7 @@ use thenar_core::model::Side;
 use thenar_track::live::LivePose;
 use triple_buffer::{Input, Output, triple_buffer};
 
-/// Where whoever receives poses puts them.
+/// Inlet for whoever receives poses.
 pub struct PagePoses {
     samples: [Input<Option<HandSample>>; 2],
     heard_ns: Arc<AtomicU64>,

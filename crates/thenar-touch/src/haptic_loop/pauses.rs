@@ -13,7 +13,7 @@ const AGAIN_NS: u64 = 1_000_000_000;
 pub struct Pauses {
     passing: Vec<(u8, Side)>,
     untold: Vec<Pause>,
-    /// When each kind was last reported \[ns\].
+    /// Time at which each kind was last reported \[ns\].
     told: Vec<(Discriminant<Pause>, u64)>,
 }
 
@@ -47,7 +47,7 @@ impl Pauses {
         true
     }
 
-    /// What is to be told, once.
+    /// Reports each new pause, once.
     pub fn tell(&mut self) -> impl Iterator<Item = String> + '_ {
         self.untold.drain(..).map(|pause| {
             let again = match pause {

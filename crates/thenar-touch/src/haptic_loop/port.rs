@@ -19,7 +19,7 @@ use thenar_core::readout::ContactReadout;
 use thenar_core::world::{ModelError, World};
 use thenar_track::live::LiveError;
 
-/// How touch joins the tracked hand and the simulation.
+/// Mode in which touch joins the tracked hand and the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoopMode {
     /// Proxies, and the simulation's newest bones carried forward: the paper's.
@@ -71,7 +71,7 @@ struct PortHand {
     free: Option<EmptyAirHand>,
 }
 
-/// What whoever steps the simulation holds.
+/// Port for whoever steps the simulation.
 pub struct SimulationPort {
     shared: Arc<Shared>,
     mode: LoopMode,
@@ -387,7 +387,7 @@ impl SimulationPort {
     }
 }
 
-/// How tightly tracked poses are followed \[Hz\]: half of a step within 3.3 ms.
+/// Natural frequency at which tracked poses are followed \[Hz\]: half of a step within 3.3 ms.
 const FOLLOW_HZ: f64 = 80.0;
 
 /// Contacts that a condensed frame has room for.
@@ -405,7 +405,7 @@ fn ties(world: &World, bones: &Range<usize>) -> Vec<Tie> {
     ties.collect()
 }
 
-/// What each finger of the hand whose flesh is `soft` touches.
+/// Returns the contact of each finger of the hand whose flesh is `soft`.
 fn fingers(readout: &ContactReadout, soft: u32) -> [FingerContact; DIGITS] {
     let parts = readout.parts(soft);
     std::array::from_fn(|finger| {

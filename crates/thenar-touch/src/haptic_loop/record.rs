@@ -1,4 +1,4 @@
-//! What one tick did, as the monitor gets it.
+//! Record of one tick, as the monitor gets it.
 
 use super::actuators::Axis;
 use crate::DIGITS;
@@ -9,11 +9,11 @@ use thenar_core::model::Side;
 /// One tick of one hand and one display.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TickRecord {
-    /// When the tick began \[ns\].
+    /// Time at which the tick began \[ns\].
     pub time_ns: u64,
-    /// How much later than it was due \[ns\].
+    /// Lateness of the tick at its beginning \[ns\].
     pub late_ns: u32,
-    /// What the tick before cost \[ns\].
+    /// Cost of the tick before \[ns\].
     pub cost_ns: u32,
     /// Ticks that were left out before this one.
     pub missed: u32,
@@ -23,7 +23,7 @@ pub struct TickRecord {
     pub side: Side,
     /// The tracker that moves it.
     pub tracker: Option<u8>,
-    /// When the pose was received that this tick was the first to take, if it took one \[ns\].
+    /// Reception time of the pose that this tick was the first to take, if it took one \[ns\].
     pub pose_ns: Option<u64>,
     /// A tracker moves it now.
     pub tracked: bool,
@@ -38,7 +38,7 @@ pub struct TickRecord {
     pub stiffness: f32,
     /// See `stiffness`.
     pub delay: f32,
-    /// What the guards do.
+    /// Status of the guards.
     pub status: Status,
     /// Forces, thumb first; x, y, z for displays of one point.
     pub axes: [Axis; DIGITS],

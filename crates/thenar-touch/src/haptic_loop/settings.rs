@@ -1,4 +1,4 @@
-//! How a loop runs, and what its displays bound.
+//! Settings of a loop, and the bounds that its displays set.
 
 use super::{Ability, LoopMode, Watcher};
 use crate::safety::Limits;
@@ -7,11 +7,11 @@ use std::path::PathBuf;
 use thenar_core::model::Drive;
 use thenar_track::live::OBSERVATION;
 
-/// How the loop runs.
+/// Settings of the loop.
 pub struct Settings {
     /// Ticks per second.
     pub rate_hz: f64,
-    /// What stands between hand and simulation.
+    /// Mode of touch between hand and simulation.
     pub mode: LoopMode,
     /// Couplings to the tracked pose. Those to the bones are the scene's drives.
     pub design: CouplingDesign,
@@ -21,7 +21,7 @@ pub struct Settings {
     pub grip: Option<f64>,
     /// Part of a device's rating that the user allows, where it is less than the device's own.
     pub user_fraction: Option<f64>,
-    /// Where trips are written down; `None` to keep no files.
+    /// Folder for records of trips; `None` to keep no files.
     pub trip_folder: Option<PathBuf>,
     /// Sees every record.
     pub watcher: Option<Watcher>,
@@ -105,7 +105,7 @@ pub(super) fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>])
     FeltBounds { grip, profile, observation: OBSERVATION, holds_only }
 }
 
-/// What each display can do, and within which limits.
+/// Returns the abilities of each display, and their limits.
 pub(super) fn limits_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Vec<Ability> {
     // Written so that what is not a number is refused where it is checked.
     let allowed = |own: Limits| match settings.user_fraction {

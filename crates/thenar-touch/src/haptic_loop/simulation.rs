@@ -28,7 +28,7 @@ pub trait Simulation {
     /// Steps done; fewer than before when it has begun anew.
     fn steps(&self) -> u64;
 
-    /// What acted in the last step.
+    /// Returns the input of the last step.
     fn input(&self) -> &Input;
 
     /// Hand `index`; `None` behind the last one.

@@ -1,4 +1,4 @@
-//! How stiff a turn of the palm is felt: the rule of [`Felt`] in angle.
+//! Stiffness with which a turn of the palm is felt: the rule of [`Felt`] in angle.
 //!
 //! A handle is held by fingers at some distance from the axis that it turns about. Each damps with
 //! b at its lever r, so that a grip of b damps turns with `b r²`, and torque on a spring of κ

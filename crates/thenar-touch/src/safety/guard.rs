@@ -6,7 +6,7 @@ use crate::safety::{
 };
 use crate::{GRIP, MARGIN, hold_then_fade, seconds_between};
 
-/// What comes in with one tick. Times are of the same monotonic clock as the tick's.
+/// Inputs of one tick. Times are of the same monotonic clock as the tick's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Signal<const N: usize> {
     /// Force wanted on the wearer \[N\].
@@ -14,11 +14,11 @@ pub struct Signal<const N: usize> {
     /// Mean velocity since the last tick of the point that the force acts on, along the same
     /// axes \[m/s\]: force times velocity is power given to the wearer.
     pub velocity: [f64; N],
-    /// When the newest simulation state was made \[ns\].
+    /// Time at which the newest simulation state was made \[ns\].
     pub simulation_ns: u64,
-    /// When the newest pose was measured \[ns\].
+    /// Time at which the newest pose was measured \[ns\].
     pub tracking_ns: u64,
-    /// When the device was last heard \[ns\].
+    /// Time at which the device was last heard \[ns\].
     pub device_ns: u64,
     /// The dead-man switch is held, or there is none.
     pub enabled: bool,
@@ -37,7 +37,7 @@ const DELAYED: f64 = (1.0 - MARGIN) * GRIP / 2.0;
 /// felt as knocking.
 const SURE: f64 = 4.0 / 3.0;
 
-/// How far forces got since they were armed.
+/// Progress of forces since they were armed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 enum Got {
     /// Little force has to be wanted first.
@@ -57,15 +57,15 @@ pub struct Guard<const N: usize> {
     stuck_ticks: u32,
     /// Simulation, tracking, device.
     heard: [Heard; 3],
-    /// What left stage 7 in the last tick \[N\].
+    /// Output of stage 7 in the last tick \[N\].
     #[serde(with = "crate::safety::arrays")]
     exact: [f64; N],
-    /// What was sent in the last tick \[N\].
+    /// Force sent in the last tick \[N\].
     #[serde(with = "crate::safety::arrays")]
     sent: [f64; N],
     passivity: Passivity,
     wearer: WearerSide<N>,
-    /// How far what comes in was trusted in the last tick, 0 to 1.
+    /// Trust in the inputs of the last tick, 0 to 1.
     trust: f64,
     /// The hand is on its way to where its wearer's is.
     away: bool,
@@ -124,7 +124,7 @@ impl<const N: usize> Guard<N> {
         }
     }
 
-    /// What it is doing.
+    /// Returns the guard's status.
     pub fn status(&self) -> Status {
         self.status
     }
@@ -240,7 +240,7 @@ impl<const N: usize> Guard<N> {
         Ok(dt)
     }
 
-    /// How far what came in is trusted, 0 to 1, and why not at all.
+    /// Returns the trust in the inputs, 0 to 1, and the cause if there is none.
     fn freshness(&mut self, now_ns: u64, signal: &Signal<N>) -> (f64, Option<Pause>) {
         let stamps = [signal.simulation_ns, signal.tracking_ns, signal.device_ns];
         let mut ages = [0.0; 3];
@@ -363,7 +363,7 @@ impl<const N: usize> Guard<N> {
     }
 }
 
-/// When something was last new \[ns\].
+/// Time of the last news \[ns\].
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 struct Heard {
     newest: Option<u64>,

@@ -1,9 +1,9 @@
-//! What one actuator may do.
+//! Limits of one actuator, and their checks.
 
 /// Limits of one actuator. Where it turns, forces are torques \[N m\] and speeds rates \[rad/s\].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Limits {
-    /// What the device is rated for continuously \[N\].
+    /// Continuous rating of the device \[N\].
     pub rated: f64,
     /// An actuator that turns: torques and rates.
     pub turns: bool,
@@ -24,7 +24,7 @@ pub struct Limits {
     pub simulation_hold: f64,
     /// A tracked pose likewise \[s\].
     pub tracking_hold: f64,
-    /// How long either fade takes \[s\].
+    /// Duration of either fade \[s\].
     pub fade: f64,
     /// Trust that has faded takes so long to come back from nothing \[s\]: force that fades before
     /// each frame of a slow simulation stays low, and does not buzz.
@@ -65,7 +65,7 @@ pub struct LimitError {
     pub name: &'static str,
     /// Value that was given.
     pub value: f64,
-    /// What it must be.
+    /// Condition that the value must meet.
     pub wanted: &'static str,
 }
 

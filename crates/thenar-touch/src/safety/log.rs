@@ -2,7 +2,7 @@
 
 use crate::safety::Status;
 
-/// What went through a guard in one tick.
+/// Inputs and outputs of a guard in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<const N: usize> {
     /// Time of the tick \[ns\].
@@ -23,7 +23,7 @@ pub struct Record<const N: usize> {
 #[derive(Clone, Debug)]
 pub struct SignalLog<const N: usize> {
     records: Vec<Record<N>>,
-    /// Where the next record goes once the ring is full.
+    /// Index of the next record once the ring is full.
     next: usize,
     capacity: usize,
     frozen: bool,

@@ -21,7 +21,7 @@ pub enum Trip {
     /// Nobody called for too long.
     #[error("the haptic loop stood still for {} s", short(*gap_s))]
     LoopStalled {
-        /// How long \[s\].
+        /// Length of the gap \[s\].
         gap_s: f64,
     },
     /// The point moved too fast.
@@ -65,7 +65,7 @@ pub enum Trip {
     },
 }
 
-/// What was not finite.
+/// Quantity that was not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Quantity {
     /// The wanted force.
@@ -101,7 +101,7 @@ pub enum Pause {
     /// Nobody called for a while.
     #[error("the haptic loop stood still for {} s", short(*gap_s))]
     Loop {
-        /// How long \[s\].
+        /// Length of the gap \[s\].
         gap_s: f64,
     },
     /// The device has said nothing.
@@ -118,7 +118,7 @@ pub enum Pause {
     Away,
 }
 
-/// What a guard is doing.
+/// State of a guard.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Status {
     /// Not armed: zero.
@@ -127,7 +127,7 @@ pub enum Status {
     Waiting {
         /// For how many it has been.
         small_ticks: u32,
-        /// What keeps it waiting, if anything does.
+        /// Pause that keeps the guard waiting, if any.
         pause: Option<Pause>,
     },
     /// Growing towards full force.

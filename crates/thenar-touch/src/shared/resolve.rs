@@ -19,7 +19,7 @@ pub struct SharedConstraints {
     values: Values,
     /// Wrenches `k δ` on the bones.
     load: Vec<f64>,
-    /// How far each bone is off its tangent \[m\], and the torque that turns it besides \[N m\].
+    /// Offset of each bone from its tangent \[m\], and the torque that turns it besides \[N m\].
     bent: Vec<[Vec3; 2]>,
     /// Turn of each proxy since the frame \[rad\], where that is known already.
     turned: Vec<Option<Vec3>>,
@@ -36,7 +36,7 @@ pub struct SharedConstraints {
     rated: bool,
 }
 
-/// How well one tick was resolved.
+/// Quality with which one tick was resolved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resolution {
     /// Sweeps over the contacts.

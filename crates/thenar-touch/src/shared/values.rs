@@ -34,7 +34,7 @@ pub(super) struct Acting<'a> {
 /// Values of all contacts of a frame.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Values {
-    /// As far as they are known \[m\].
+    /// Contact values, as far as they are known \[m\].
     d: Vec<Vec3>,
     known: Vec<Known>,
     /// By so much the normal part may be less \[m\].

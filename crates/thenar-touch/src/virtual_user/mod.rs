@@ -126,7 +126,7 @@ impl VirtualUser {
         }
     }
 
-    /// When the velocity becomes zero under this net force \[s\]; infinite when never.
+    /// Returns the time until this net force stops the motion \[s\]; infinite when never.
     fn time_to_stop(&self, net: f64) -> f64 {
         let Device { mass, damping, .. } = self.device;
         if self.velocity * net >= 0.0 {

@@ -82,7 +82,7 @@ pub fn stability_onset(
     onset(low, high, |value| wall(value).is_stable(seconds))
 }
 
-/// Where a property is lost between `low` and `high`, to one part in a thousand.
+/// Finds where a property is lost between `low` and `high`, to one part in a thousand.
 pub(super) fn onset(low: f64, high: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
     if !holds(low) || holds(high) {
         return None;

@@ -1,4 +1,4 @@
-//! What poses are taken.
+//! Checks that poses must pass.
 
 use super::LivePose;
 use crate::TRACKED_JOINTS;
@@ -15,7 +15,7 @@ pub const RADIUS_MAX: f64 = 0.5;
 /// Why a live pose was refused. Nothing has changed then.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LiveError {
-    /// There is no such hand.
+    /// The scene has no such hand.
     #[error("there is no hand {hand}: the scene has {count}")]
     NoHand {
         /// Index given.
@@ -34,7 +34,7 @@ pub enum LiveError {
     Unfit {
         /// Name of the hand.
         hand: String,
-        /// What it lacks.
+        /// Reason in words.
         cause: String,
     },
     /// A number is not finite.

@@ -1,4 +1,4 @@
-//! When a pose was taken, by the simulation's clock.
+//! Time at which a pose was taken, by the simulation's clock.
 //!
 //! Poses arrive unevenly, their own times are even. The least delay seen lately joins the two
 //! clocks; what a pose is late beyond it is its age on arrival. A clock that jumps, stands still
@@ -18,7 +18,7 @@ pub struct Clock {
     last: Option<(f64, f64, f64)>,
 }
 
-/// How a pose lies in time.
+/// Timing of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
     /// Time since the pose before \[s\], if that can be told.

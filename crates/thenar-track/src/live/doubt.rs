@@ -3,13 +3,13 @@
 
 use thenar_core::Pose;
 
-/// How far a sample may be from what was expected, what the fastest start adds, and the most of
-/// that: place \[m, m/s², m\], turns of the wrist, angles of joints \[rad, rad/s², rad\]. Noise of
-/// trackers reaches 1 cm and 5 degrees. A reach that is 3 m/s fast on its way of 0.3 m starts with
-/// 49 m/s² (the least jerk of Flash and Hogan 1985: 1.875 D/T and 5.77 D/T²); twice that is allowed
-/// for, and 500 rad/s² of wrists and fingers. Where samples are so far apart that this would reach
-/// 3.5 cm at a fingertip, 17 cm from the wrist and 10 cm from its knuckle, starts wait as glitches
-/// do: 5 cm never pass.
+/// Largest deviation of a sample from what was expected, the part that the fastest start adds, and
+/// the most of that: place \[m, m/s², m\], turns of the wrist, angles of joints \[rad, rad/s²,
+/// rad\]. Noise of trackers reaches 1 cm and 5 degrees. A reach that is 3 m/s fast on its way of
+/// 0.3 m starts with 49 m/s² (the least jerk of Flash and Hogan 1985: 1.875 D/T and 5.77 D/T²);
+/// twice that is allowed for, and 500 rad/s² of wrists and fingers. Where samples are so far apart
+/// that this would reach 3.5 cm at a fingertip, 17 cm from the wrist and 10 cm from its knuckle,
+/// starts wait as glitches do: 5 cm never pass.
 const EXPECTED: [[f64; 3]; 3] = [[0.02, 100.0, 0.015], [0.12, 500.0, 0.08], [0.15, 500.0, 0.2]];
 /// Fastest true motion from the sample in doubt to the next \[m/s\], \[rad/s\].
 const FASTEST: [f64; 3] = [4.0, 25.0, 26.0];
@@ -24,13 +24,13 @@ pub struct Doubt {
 /// A wrist in doubt, and how long after the last one taken it was \[s\].
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Waiting {
-    /// Where it was seen.
+    /// Pose at which it was seen.
     pub wrist: Pose,
     /// Time since the last sample that was taken \[s\].
     pub gap: f64,
 }
 
-/// What becomes of a sample.
+/// Verdict on a sample.
 #[derive(Clone, Copy, Debug)]
 pub enum Verdict {
     /// The sample is taken; what waited is forgotten.
@@ -62,8 +62,8 @@ impl Doubt {
         &self.angles
     }
 
-    /// What becomes of this sample: it is `surprises` from what is expected `gap` \[s\] after the
-    /// last one taken, and may bear out the one before it, `step` \[s\] earlier.
+    /// Judges this sample: it is `surprises` from what is expected `gap` \[s\] after the last one
+    /// taken, and may bear out the one before it, `step` \[s\] earlier.
     pub fn look(
         &mut self,
         wrist: &Pose,

@@ -8,7 +8,7 @@ use super::observer::{Linear, bounded};
 use crate::filter::{left_jacobian, left_jacobian_inverse, relax};
 use thenar_core::{Quat, Vec3};
 
-/// How the goal is followed.
+/// Law by which the goal is followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
     /// Natural frequency \[rad/s\].

@@ -122,8 +122,8 @@ impl LiveHand {
         self.doubt.as_ref().is_some_and(Doubt::waits)
     }
 
-    /// How noisy its samples are: 0 as sure as motion, 1 remembered for 50 ms, and more; the worst
-    /// of wrist and joints. See [`Observation`](crate::Observation).
+    /// Returns the noise of the samples: 0 as sure as motion, 1 remembered for 50 ms, and more; the
+    /// worst of wrist and joints. See [`Observation`](crate::Observation).
     pub fn noisy(&self) -> f64 {
         let memory = &self.memory;
         let wrist = memory.position.noisy(FELT[0]).max(memory.rotation.noisy(FELT[1]));
@@ -131,7 +131,7 @@ impl LiveHand {
         joints.fold(wrist, f64::max)
     }
 
-    /// What moves the hand.
+    /// Returns the source of the hand's motion.
     pub fn mover(&self) -> Mover {
         match self.memory.way {
             PoseSource::Script | PoseSource::Returning => Mover::Script,
@@ -156,8 +156,8 @@ impl LiveHand {
         self.memory.way == PoseSource::Live && self.memory.now - self.memory.set_out < OPENING
     }
 
-    /// How far finger `finger` (thumb 0) is closed, as the mean over its joints' ranges: 0 open, 1
-    /// closed; `None` for a finger without joints.
+    /// Returns the closure of finger `finger` (thumb 0), as the mean over its joints' ranges: 0
+    /// open, 1 closed; `None` for a finger without joints.
     pub fn curl(&self, finger: usize) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0.0);
         for k in [0, 2, 3] {
@@ -361,8 +361,8 @@ impl LiveHand {
         self.memory.calibrated += 1;
     }
 
-    /// How the pose carried over lies in time, after the last one that was taken; `None` when it
-    /// must wait for another that agrees with it. One that it bears out is taken before it.
+    /// Returns the timing of the pose carried over, after the last one that was taken; `None` when
+    /// it must wait for another that agrees with it. One that it bears out is taken before it.
     fn without_doubt(&mut self, wrist: &Pose, timing: Timing) -> Option<Timing> {
         let longest = self.longest(timing.gap);
         let Self { doubt: Some(doubt), memory, angles, .. } = self else { return Some(timing) };
@@ -398,7 +398,7 @@ impl LiveHand {
         gap.map_or(MEMORY[1], longest)
     }
 
-    /// Where the tracked hand will be at the end of the step, into `script`.
+    /// Computes the tracked hand's stance at the end of the step, into `script`.
     fn aim(&mut self, h: f64) {
         let lost = self.is_lost();
         let age = self.memory.now - self.memory.arrived + self.memory.late + h;
@@ -419,7 +419,7 @@ impl LiveHand {
         }
     }
 
-    /// How much of the full speed the hand has, from 0 to 1.
+    /// Returns the part of the full speed that the hand has, from 0 to 1.
     fn opening(&self) -> f64 {
         ((self.memory.now - self.memory.set_out) / OPENING).min(1.0)
     }

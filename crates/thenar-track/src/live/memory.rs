@@ -1,5 +1,5 @@
-//! What a hand that poses move remembers: with it, another that was made from the same scene goes
-//! on with the same bits.
+//! Memory of a hand that poses move: with it, another that was made from the same scene goes on
+//! with the same bits.
 
 use super::clock::{Clock, Timing};
 use super::observer::{Observed, ObservedRotation};
@@ -34,7 +34,7 @@ pub struct Memory {
     pub ratios: Vec<f64>,
     /// Number of these that are known.
     pub calibrated: usize,
-    /// What moves the hand.
+    /// Source of the targets.
     pub way: PoseSource,
     /// The tracker said that it has lost the hand.
     pub lost: bool,
@@ -42,11 +42,11 @@ pub struct Memory {
     pub now: f64,
     /// Joins the tracker's time to ours.
     pub clock: Clock,
-    /// When the newest pose came \[s\].
+    /// Time at which the newest pose came \[s\].
     pub arrived: f64,
     /// Age of that pose when it came \[s\].
     pub late: f64,
-    /// When the hand set out for another place \[s\].
+    /// Time at which the hand set out for another place \[s\].
     pub set_out: f64,
     /// The tracked wrist.
     pub position: Observed<Vec3>,
@@ -54,9 +54,9 @@ pub struct Memory {
     pub rotation: ObservedRotation,
     /// The tracked joints.
     pub joints: Vec<[Observed<f64>; 2]>,
-    /// Where the targets are.
+    /// Stance of the targets.
     pub stance: Stance,
-    /// Where the script wants them, or the tracked pose.
+    /// Stance that the script wants, or the tracked pose.
     pub script: Stance,
     /// The script's place in the step before is known.
     pub script_known: bool,
@@ -129,7 +129,7 @@ impl Memory {
     }
 }
 
-/// What a [`LiveHand`] remembers, apart from it.
+/// Memory of a [`LiveHand`], apart from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LiveMemory {
     memory: Memory,

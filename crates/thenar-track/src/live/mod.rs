@@ -55,7 +55,7 @@ pub const OPENING: f64 = 0.8;
 /// Older poses count as lost \[s\].
 pub const STALE: f64 = 0.1;
 
-/// What a hand that follows at 80 Hz adds to its tracker's delay, measured for 60 Hz to 1 kHz and 0
+/// Delay that a hand that follows at 80 Hz adds to its tracker's, measured for 60 Hz to 1 kHz and 0
 /// to 50 ms: 9.9 ms at 1 kHz at once, 6.0 ms at 90 Hz at once, 5.9 and 2.2 ms at 1 kHz and 90 Hz,
 /// 20 ms late, nothing at 50 ms. With noise that is remembered for 50 ms, 36 ms at 60 Hz to 43 ms
 /// at 1 kHz, however late.
@@ -90,7 +90,7 @@ impl LivePose {
     }
 }
 
-/// What moves a hand.
+/// Source of a hand's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mover {
     /// The scene.

@@ -33,7 +33,7 @@ const LED_ON: f64 = 0.74;
 /// Part of E that is led on above 40 Hz at the shortest memory, and by which power it falls with
 /// memory.
 const SHAKES: [f64; 2] = [0.33, 2.5];
-/// Of the delay, what the follower has at its loosest \[s\]: twice its time of 10 ms.
+/// Part of the delay that the follower has at its loosest \[s\]: twice its time of 10 ms.
 const FOLLOWER: f64 = 0.02;
 
 /// Distances of the places where a hand is felt from what turns them \[m\].

@@ -23,12 +23,12 @@ use thenar_core::{Quat, Vec3};
 
 /// Time in which a sample loses its weight \[s\]: the least, and the most where nothing is felt.
 pub const MEMORY: [f64; 2] = [0.0139, 0.05];
-/// What the newest residual weighs in how alike residuals are.
+/// Weight of the newest residual in how alike residuals are.
 const NEWEST: f64 = 0.06;
 /// Likeness that they may have by chance: 2.3 times the deviation of the mean of white numbers,
 /// `√(NEWEST/(2 - NEWEST))`; less of what has several.
 const CHANCE: f64 = 0.4;
-/// How fast memory shrinks with what is beyond that, per sample.
+/// Rate at which memory shrinks with what is beyond that, per sample.
 const ADAPTS: f64 = 1.0;
 /// A sample keeps `exp(-1.2)` of its weight until the next at least: slow trackers are noisier.
 const FADE_MAX: f64 = 1.2;
@@ -51,7 +51,7 @@ impl Gains {
     }
 }
 
-/// How residuals follow one another, and the memory that goes with it.
+/// Likeness of successive residuals, and the memory that goes with it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scatter<T> {
     before: T,
@@ -109,7 +109,7 @@ impl<T: Linear> Scatter<T> {
     }
 }
 
-/// What can be added and scaled: a number or a vector.
+/// Quantity that can be added and scaled: a number or a vector.
 pub trait Linear:
     Copy
     + std::ops::Add<Output = Self>
@@ -177,7 +177,7 @@ impl<T: Linear> Observed<T> {
         Self { place, rate: none, scatter: Scatter::new(none) }
     }
 
-    /// How far a sample is from where it was expected, `gap` \[s\] after the last.
+    /// Returns how far a sample is from where it was expected, `gap` \[s\] after the last.
     pub fn surprise(&self, sample: T, gap: Option<f64>) -> f64 {
         (sample - self.ahead(gap.unwrap_or(0.0))).size()
     }
@@ -197,15 +197,16 @@ impl<T: Linear> Observed<T> {
         self.scatter.noise_square(gap)
     }
 
-    /// How quiet its samples are: 1 where they are as sure as motion, less where noise is
+    /// Returns how quiet its samples are: 1 where they are as sure as motion, less where noise is
     /// remembered longer.
     pub fn quiet(&self) -> f64 {
         self.scatter.quiet()
     }
 
-    /// How long its samples are remembered for their noise: 0 as motion is, 1 for 50 ms, and more
-    /// in proportion to the delay beyond; next to 0 where residuals are below `least`, such as
-    /// round-off: what sways by more than noise is soon remembered no longer than motion is.
+    /// Returns how long its samples are remembered for their noise: 0 as motion is, 1 for 50 ms,
+    /// and more in proportion to the delay beyond; next to 0 where residuals are below `least`,
+    /// such as round-off: what sways by more than noise is soon remembered no longer than motion
+    /// is.
     pub fn noisy(&self, least: f64) -> f64 {
         self.scatter.noisy(least)
     }
@@ -237,7 +238,7 @@ impl ObservedRotation {
         (expected, (sample * expected.inverse()).scaled_axis())
     }
 
-    /// How far a sample is from where it was expected \[rad\], `gap` \[s\] after the last.
+    /// Returns how far a sample is from where it was expected \[rad\], `gap` \[s\] after the last.
     pub fn surprise(&self, sample: &Quat, gap: Option<f64>) -> f64 {
         self.residual(sample, gap).1.norm()
     }
@@ -256,12 +257,12 @@ impl ObservedRotation {
         self.scatter.noise_square(gap)
     }
 
-    /// How quiet its samples are: see [`Observed::quiet`].
+    /// Returns how quiet its samples are: see [`Observed::quiet`].
     pub fn quiet(&self) -> f64 {
         self.scatter.quiet()
     }
 
-    /// How long its samples are remembered: see [`Observed::noisy`].
+    /// Returns how long its samples are remembered: see [`Observed::noisy`].
     pub fn noisy(&self, least: f64) -> f64 {
         self.scatter.noisy(least)
     }

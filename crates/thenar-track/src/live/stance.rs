@@ -1,4 +1,4 @@
-//! Where a hand is, as wrist and joint angles.
+//! Stance of a hand: wrist and joint angles.
 
 use crate::Articulation;
 use serde::{Deserialize, Serialize};

@@ -35,7 +35,8 @@ fn pinched(hand: &HandModel, gap: f64) -> Vec<[f64; 2]> {
     angles
 }
 
-/// What a tracker sees of a hand at these angles, somewhere in the world, turned.
+/// Returns the joints that a tracker sees of a hand at these angles, somewhere in the world,
+/// turned.
 fn watched(theirs: &HandModel, angles: &[[f64; 2]]) -> [Pose; 25] {
     let turned = Quat::from_scaled_axis(Vec3::new(0.4, -1.1, 0.7));
     let root = Pose::new(Vec3::new(0.3, 0.2, -0.1), turned);
@@ -142,7 +143,7 @@ fn pads_touch_without_press_where_forces_are_felt() {
     }
 }
 
-/// As tracked pads close by 50 µm at a time, no angle jumps: none changes by more than twelve times
+/// No angle jumps as tracked pads close by 50 µm at a time: none changes by more than twelve times
 /// as much as the tracked ones do at most. The gap's own slope is 1 + 1.5 · 9 mm / 6.4 mm = 3.1
 /// where pads begin to press, and pads turn to face each other on the way.
 #[test]

@@ -12,11 +12,11 @@ const BONES_MAX: usize = 6;
 /// Angles of a chain, in the order of its freedoms \[rad\].
 pub type Angles = [f64; FREEDOMS_MAX];
 
-/// Where along the last bone its pad is, from its joint (0) to its end (1): a little nearer to the
+/// Place of a pad along the last bone, from its joint (0) to its end (1): a little nearer to the
 /// end, where people put fingertips down.
 pub const ALONG: f64 = 0.55;
 
-/// Where on a digit a pad is.
+/// Place of a pad on a digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadPlace {
     /// The palm's side of the last bone.
@@ -34,7 +34,7 @@ pub struct Freedom {
     pub axis: usize,
     /// Range \[rad\].
     pub range: [f64; 2],
-    /// Where it is at ease \[rad\]: what pads leave open is brought near to it.
+    /// Angle at ease \[rad\]: what pads leave open is brought near to it.
     pub ease: f64,
     /// Joint of the chain.
     link: usize,
@@ -76,7 +76,7 @@ pub struct Chain {
     tree: Tree,
 }
 
-/// Where a chain has its pad, in the palm's frame, and how that changes with each freedom.
+/// Place of a chain's pad, in the palm's frame, and its change with each freedom.
 #[derive(Clone, Copy, Debug)]
 pub struct Reached {
     /// The pad's centre \[m\].
@@ -147,7 +147,7 @@ impl Chain {
         angles
     }
 
-    /// Where its pad is at these angles.
+    /// Returns the place of the pad at these angles.
     pub fn reach(&self, angles: &Angles) -> Reached {
         let (poses, angles) = self.forward(&Pose::identity(), angles);
         let tip = self.pad_link();

@@ -33,7 +33,7 @@ const ROUND_MAX: f64 = 0.25;
 /// felt.
 const TRIALS: usize = 10;
 
-/// Where a pad is wanted, in the palm's frame.
+/// Goal of a pad, in the palm's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     /// Place of its centre \[m\].
@@ -96,7 +96,7 @@ fn round(chain: &Chain, ease: &Angles, angles: &mut Angles, goal: &Goal) -> f64 
     0.0
 }
 
-/// What rounds make less: squares of the way, of the turn and of unease, as they are weighed.
+/// Returns the cost that rounds reduce: weighted squares of the way, of the turn and of unease.
 fn lack(ease: &Angles, angles: &Angles, reached: &Reached, goal: &Goal) -> f64 {
     let turn = turn_between(&reached.normal, &goal.normal);
     let unease = ease.iter().zip(angles).map(|(ease, angle)| (ease - angle).powi(2));
@@ -214,8 +214,8 @@ mod tests {
         }
     }
 
-    /// What is out of reach is approached as near as a digit goes: along the line to it when it is
-    /// straight.
+    /// A goal out of reach is approached as near as a digit goes: along the line to it when the
+    /// digit is straight.
     #[test]
     fn what_is_out_of_reach_is_approached() {
         let hand = fixture::hand(false);

@@ -122,7 +122,7 @@ mod tests {
     use crate::fixture;
     use thenar_core::random::Random;
 
-    /// Where pads are at angles drawn from their ranges they are brought again, wherever the wrist
+    /// Pads are brought again to places taken at angles drawn from their ranges, wherever the wrist
     /// is: to a tenth of a millimetre nine times of ten, and all to a millimetre.
     #[test]
     fn pads_come_to_places_that_they_can_reach() {

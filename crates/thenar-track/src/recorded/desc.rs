@@ -20,7 +20,7 @@ pub struct RecordedDesc {
     /// Part of the recording to skip \[s\].
     #[serde(default)]
     pub start_s: f64,
-    /// Where the recording's origin is in the world \[m\].
+    /// Position of the recording's origin in the world \[m\].
     #[serde(default)]
     pub position: [f64; 3],
     /// Turn of the recording about the vertical (+y) \[degrees\].

@@ -7,7 +7,7 @@ use thenar_core::model::Side;
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::{brief, quoted};
 
-/// Where in a line each joint of [`TRACKED_JOINTS`] stands.
+/// Position in a line of each joint of [`TRACKED_JOINTS`].
 pub type Order = [usize; 25];
 
 /// Furthest a tracked joint may be from the origin \[m\].

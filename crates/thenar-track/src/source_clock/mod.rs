@@ -63,7 +63,7 @@ impl SourceClock {
         self.known = None;
     }
 
-    /// What the device calls `source_ns`, arriving now.
+    /// Carries the device's time `source_ns`, arriving now, over to our clock.
     pub fn carry(&mut self, now_ns: u64, source_ns: i64) -> CarriedTime {
         let source = source_ns.clamp(-CLOCK_MAX, CLOCK_MAX);
         let now = i64::try_from(now_ns).unwrap_or(CLOCK_MAX).min(CLOCK_MAX);

@@ -1,4 +1,4 @@
-//! How one clock runs beside another, from the least differences of late.
+//! Course of one clock beside another, from their least differences of late.
 //!
 //! Every way through a network adds to the difference of two clocks, none takes off it: the
 //! differences lie above a line, whose slope is how much faster our clock runs. It is the edge of
@@ -18,7 +18,7 @@ const RATE_MAX: f64 = 2e-3;
 /// A difference this far below the line is no clock that runs off, but one that was put ahead, or a
 /// shorter way \[ns\].
 const STEP: i64 = 5_000_000;
-/// How sure a rate is: after a silence the line is raised by so much of it.
+/// Uncertainty of a rate: after a silence the line is raised by this part of its length.
 const UNSURE: f64 = 2e-4;
 
 /// A difference of the clocks, and when it was seen by ours.

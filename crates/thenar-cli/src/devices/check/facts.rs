@@ -1,4 +1,4 @@
-//! What a Linux machine says of itself, as far as it bears on touch.
+//! Facts that a Linux machine states of itself, as far as they bear on touch.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ pub struct Port {
     pub ours: bool,
     /// Group of the port.
     pub group: u32,
-    /// How long its driver collects bytes before it hands them over \[ms\], where it says so.
+    /// Time for which its driver collects bytes before it hands them over \[ms\], where stated.
     pub collects: Option<u32>,
 }
 
@@ -33,7 +33,7 @@ pub struct Facts {
     pub memory: Option<Limit>,
     /// The process may raise priorities, and lock memory, whatever the limits.
     pub privileged: [bool; 2],
-    /// How the kernel may be interrupted: `PREEMPT_RT`, or `full`, `lazy`, `voluntary`, `none`.
+    /// Preemption of the kernel: `PREEMPT_RT`, or `full`, `lazy`, `voluntary`, `none`.
     pub preemption: Option<String>,
     /// Time that real-time threads may use \[us\], of [`Facts::period`]; -1 for all.
     pub runtime: Option<i64>,

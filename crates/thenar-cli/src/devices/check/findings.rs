@@ -1,4 +1,4 @@
-//! What a machine lacks for touch, and the command that mends it.
+//! Findings on what a machine lacks for touch, and the command that mends it.
 
 use super::facts::{Facts, Limit, Port};
 use thenar_link::realtime::Urgency;
@@ -16,7 +16,7 @@ const COLLECTS_MAX: u32 = 1;
 pub struct Finding {
     /// Name of the thing.
     pub what: &'static str,
-    /// How it stands, and what that means.
+    /// State of the thing, and what that means.
     pub state: String,
     /// The command that mends it; `None` where nothing is lacking.
     pub mend: Option<String>,

@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-/// What the system answers a thread that does as those of touch do.
+/// Answers of the system to a thread that does as those of touch do.
 fn tried() -> Result<[Result<(), String>; 2], CliError> {
     let trial = || {
         touch_stack();

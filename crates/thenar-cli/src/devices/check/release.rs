@@ -1,4 +1,4 @@
-//! How long a program that is stopped or killed holds its wearer on: measured on this machine, with
+//! Time for which a stopped or killed program still holds its wearer, measured on this machine with
 //! a simulated glove.
 
 use crate::error::CliError;

@@ -24,7 +24,7 @@ fn force_rises_in_small_steps() {
     assert_eq!(raise.at(2.2 + 1.5 * f64::from(STEPS)), None);
 }
 
-/// What a display shows while force rises on the middle finger, tick by tick; from `silent_ms` on
+/// Output on a display while force rises on the middle finger, tick by tick; from `silent_ms` on
 /// its device says nothing.
 fn risen(
     rendering: Rendering,

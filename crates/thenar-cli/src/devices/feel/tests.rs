@@ -35,7 +35,7 @@ impl Tracker for Bending {
     }
 }
 
-/// What the second axis shows, tick by tick of a millisecond, while the finger bends at this rate.
+/// Output on the second axis, tick by tick of a millisecond, while the finger bends at this rate.
 fn trial(rendering: Rendering, rate: f64) -> (Result<(), CliError>, Vec<HandOutput>) {
     let (clock, shown) = (Arc::new(Mutex::new(0)), Arc::new(Mutex::new(Vec::new())));
     let mut display = Display { rendering, heard_ns: clock.clone(), shown: shown.clone() };

@@ -1,4 +1,4 @@
-//! What one tick of the haptic loop costs.
+//! Cost of one tick of the haptic loop.
 
 use super::samples::Samples;
 use std::hint::black_box;
@@ -20,7 +20,7 @@ const DOWN: f64 = 1.2;
 /// Then its fingers flex by so much more \[rad\].
 const PRESS: f64 = 0.25;
 
-/// What whole ticks took \[us\]: a new pose of a tracked hand in each, 16 proxies, five guarded
+/// Time of whole ticks \[us\]: a new pose of a tracked hand in each, 16 proxies, five guarded
 /// fingers, records, beside the newest frame of the simulation.
 #[derive(Default)]
 struct Ticks {

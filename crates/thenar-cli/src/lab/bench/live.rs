@@ -1,4 +1,4 @@
-//! What the live page costs: bytes and time of its messages, and how late a pose shows.
+//! Cost of the live page: bytes and time of its messages, and how late a pose shows.
 
 use super::samples::Samples;
 use std::net::TcpStream;

@@ -1,4 +1,4 @@
-//! What this machine's one core can do at most: multiply-adds and reading memory.
+//! Peaks of one core of this machine: multiply-adds and reading memory.
 
 use fearless_simd::{Level, Simd, dispatch, f32x16, f64x8, prelude::*};
 use std::hint::black_box;
@@ -15,7 +15,7 @@ pub struct Peaks {
     pub reading: [(f64, usize); 4],
 }
 
-/// What is read, so that it lies in the first, second, third cache, or in none.
+/// Sizes that are read \[bytes\], in the first, second, third cache, or in none.
 const SIZES: [(&str, usize); 4] =
     [("L1", 24 << 10), ("L2", 512 << 10), ("L3", 8 << 20), ("memory", 256 << 20)];
 /// Number of tries, of which the best counts.
@@ -55,7 +55,7 @@ impl Peaks {
         self.reading.iter().find(|(_, size)| fits(*size)).unwrap_or(&last).0 * 1e9
     }
 
-    /// As one line.
+    /// Peaks in one line.
     pub fn line(&self) -> String {
         let reading: Vec<String> = (SIZES.iter().zip(&self.reading))
             .map(|((name, _), (speed, _))| format!("{name} {speed:.0}"))

@@ -1,4 +1,4 @@
-//! How much memory the process holds.
+//! Memory that the process holds.
 
 /// Resident memory \[MB\], where the system tells (Linux).
 pub fn resident_mb() -> Option<f64> {

@@ -35,7 +35,7 @@ enum BenchCommand {
     Live(live::Args),
     /// Cost over 600 to 17 000 tetrahedra and 0 to 100 contacts, with resident memory.
     Scaling(scaling::Args),
-    /// What a tick of the haptic loop costs.
+    /// Cost of a tick of the haptic loop.
     Haptics,
     /// Floor and measured time of each stage, with the machine's peaks measured in the same run.
     Roofline(roofline::Args),

@@ -1,4 +1,4 @@
-//! How far each stage of a step is from what the machine allows.
+//! Distance of each stage of a step from what the machine allows.
 //!
 //! Operations and bytes are counted from the sizes of the model, not measured: a multiply-add is
 //! two operations, every number that a stage reads or writes counts once. The floor of a stage is

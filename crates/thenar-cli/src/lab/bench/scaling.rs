@@ -12,7 +12,7 @@ pub struct Args {
     /// Tetrahedra of the hand.
     #[arg(long, value_delimiter = ',', default_values_t = [600, 2000, 5000, 17000])]
     tets: Vec<u32>,
-    /// How deep the hand's rest pose lies in the table [mm]; the deeper, the more contacts.
+    /// Depth of the hand's rest pose in the table [mm]; the deeper, the more contacts.
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true,
           default_values_t = [-100.0, 1.0, 3.0, 6.0, 12.0])]
     depth_mm: Vec<f64>,

@@ -8,8 +8,8 @@ use thenar_scene::session::{Session, builtin};
 pub const SOLVERS: [(SolverKind, &str); 2] =
     [(SolverKind::Exact, "exact"), (SolverKind::TwoStep, "two-step")];
 
-/// How hard the hand is pressed: what the search for a number of contacts varies. Small meshes have
-/// few vertices below the hand and need soft flesh on a high table.
+/// Firmness of a press, which the search for a number of contacts varies. Small meshes have few
+/// vertices below the hand and need soft flesh on a high table.
 #[derive(Clone, Copy, Debug)]
 pub struct Press {
     /// Height of the table above that of the scene [m].
@@ -29,13 +29,13 @@ const PRESSES: [Press; 5] = [
     Press { table: 0.005, young: 40e3, coupling: 2e9, drive: 400.0 },
     Press { table: 0.0, young: 40e3, coupling: 2e9, drive: 400.0 },
 ];
-/// When the hand of `free-motion` moves its fingers and none touches another [s].
+/// Time from which the hand of `free-motion` moves its fingers and none touches another [s].
 const MOVING: f64 = 0.2;
-/// When the hand of `table-press` comes down on the table, and when it has come to lie there and
-/// presses [s].
+/// Times from which the hand of `table-press` comes down on the table, and from which it lies there
+/// and presses [s].
 const LANDS: f64 = 0.9;
 const PRESSED: f64 = 1.3;
-/// When the hand of `bread-grasp` holds the loaf in the air [s].
+/// Time from which the hand of `bread-grasp` holds the loaf in the air [s].
 const HOLDS: f64 = 3.0;
 /// For how long each of these lasts [s].
 pub const LASTS: f64 = 0.5;

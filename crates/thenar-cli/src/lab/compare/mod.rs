@@ -16,7 +16,7 @@ use thenar_output::Output;
 use thenar_scene::compare::{CompareError, CompareMode, Comparison, SIDES, Scheme};
 use thenar_scene::session::{TableFormat, TableWriter};
 
-/// What makes a scene's silence mean the paper's hand.
+/// Setting by which a scene's silence means the paper's hand.
 const TWO_STEP: &str = "solver.kind=two-step";
 
 /// Compare the two-step scheme with the exact solver on one scene.

@@ -10,7 +10,7 @@ use thenar_output::Output;
 use thenar_scene::compare::Scheme;
 use thenar_scene::compare::sweep::{Plan, SCHEMES, SchemeResult, SweepError, SweepPoint, sweep};
 
-/// What a sweep goes over.
+/// Stiffnesses and time steps of a sweep.
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// Measure over coupling stiffness and time step instead.

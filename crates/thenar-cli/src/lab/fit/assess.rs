@@ -1,11 +1,11 @@
-//! What data tell of parameters: estimates, intervals, correlations, and where they tell nothing.
-//! Pure.
+//! Assessment of parameters by data: estimates, intervals, correlations, and where the data say
+//! nothing. Pure.
 
 use super::least_squares::{Minimum, rms};
 use super::student::t95;
 use nalgebra::DMatrix;
 
-/// How a parameter hangs on the coordinate in which it is searched.
+/// Relation of a parameter to the coordinate in which it is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     /// `value = unit · exp(u)`: what is positive by its nature. Intervals are factors.
@@ -23,7 +23,7 @@ pub struct Parameter {
     pub unit: String,
     /// Value of the coordinate's unit: where a modulus starts, what an offset is measured by.
     pub of: f64,
-    /// What the coordinate does.
+    /// Relation of the value to the coordinate.
     pub scale: Scale,
     /// Nobody asked for it; it is there so that others are not spoilt.
     pub nuisance: bool,

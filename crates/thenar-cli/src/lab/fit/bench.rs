@@ -96,9 +96,9 @@ impl Bench {
         Ok(bench)
     }
 
-    /// Where the body first touches on the way between its first and last keyframe, by running the
-    /// scene's own press until there is a force: the gap that is left a step before gives the
-    /// place.
+    /// Finds where the body first touches on the way between its first and last keyframe, by
+    /// running the scene's own press until there is a force: the gap that is left a step before
+    /// gives the place.
     fn find_touch(&mut self, session: &Session) -> Result<(), String> {
         let index = rigid(session, &self.body).ok_or("the body is gone")?;
         let scene = session.scene();

@@ -43,7 +43,7 @@ const FORCE: Quantity =
 const TIME: Quantity =
     Quantity { name: "time", units: &[("s", 1.0), ("ms", 1e-3)], range: [-TIME_MAX, TIME_MAX] };
 
-/// Where a quantity stands, and its unit in SI.
+/// Place of a quantity's column, and its unit in SI.
 struct Column {
     at: usize,
     unit: f64,

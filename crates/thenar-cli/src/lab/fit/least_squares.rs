@@ -5,12 +5,12 @@
 use nalgebra::{DMatrix, DVector};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What a curve is at some coordinates.
+/// Result of a curve at some coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trial {
     /// Values of the column.
     Values(Vec<f64>),
-    /// There is none, for this reason: the coordinates lie outside their sense.
+    /// No values, for this reason: the coordinates make no sense.
     Impossible(String),
 }
 
@@ -20,7 +20,7 @@ pub type Curve<'a, E> = &'a (dyn Fn(&[f64]) -> Result<Trial, E> + Sync);
 /// Why there is no minimum.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trouble<E> {
-    /// There is no curve where the fit starts, or beside it.
+    /// No curve exists where the fit starts, or beside it.
     NoStart(String),
     /// The curve's own reason to end.
     Ended(E),

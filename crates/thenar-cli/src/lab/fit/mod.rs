@@ -32,7 +32,7 @@ const PRESS_FILE: &str = "scenes/validation/f01-press.toml";
 /// program's own press is run again and again until its force fits best; see docs/fit.md.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// What was measured: CSV with the columns depth, force and perhaps time.
+    /// The measurement: CSV with the columns depth, force and perhaps time.
     data: PathBuf,
     /// A scene that presses, instead of the built-in one: one scripted body with keyframes, and a
     /// contact probe that has it.
@@ -50,8 +50,8 @@ pub struct Args {
     /// Speed of the press where the data have no time [mm/s].
     #[arg(long, value_name = "MM/S", default_value_t = 5.0)]
     rate: f64,
-    /// What to find: young, alpha (Ogden's law), part1 to part4 and time1 to time4 (memory), or
-    /// keys of the scene with a start, e.g. hand.hand.material.poisson=0.45; `young=3e4` starts
+    /// Parameters to find: young, alpha (Ogden's law), part1 to part4 and time1 to time4 (memory),
+    /// or keys of the scene with a start, e.g. hand.hand.material.poisson=0.45; `young=3e4` starts
     /// there.
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', default_value = "young")]
     parameters: Vec<String>,

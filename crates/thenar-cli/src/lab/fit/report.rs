@@ -1,4 +1,4 @@
-//! What was found, for people and as JSON.
+//! Report of a fit, for people and as JSON.
 
 use super::assess::{Assessment, Scale};
 use super::unknowns::Unknown;
@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 
 /// Content of a fit's report.
 pub struct FitReport<'a> {
-    /// What was fitted.
+    /// Parameters that were fitted.
     pub unknowns: &'a [Unknown],
-    /// What was found.
+    /// Values that were found.
     pub found: &'a Assessment,
     /// Rows of data.
     pub rows: usize,

@@ -52,7 +52,7 @@ fn noise(random: &mut Random, deviation: f64) -> f64 {
     (0..12).map(|_| random.symmetric()).sum::<f64>() * 0.5 * deviation
 }
 
-/// What the press itself gives with these changes, and noise.
+/// Data that the press itself gives with these changes, and noise.
 fn measured(
     bench: &Bench,
     depth: Vec<f64>,

@@ -1,5 +1,5 @@
-//! What is fitted: names of parameters, the keys of the scene that they stand for, and where each
-//! starts.
+//! Unknowns of a fit: names of parameters, the keys of the scene that they stand for, and where
+//! each starts.
 
 use super::assess::{Parameter, Scale};
 use thenar_core::model::Law;
@@ -7,7 +7,7 @@ use thenar_scene::session::Session;
 
 /// The parameter that moves the zero of depth.
 pub const OFFSET: &str = "offset";
-/// What an offset is measured by \[m\]: as far as first touch is commonly misjudged.
+/// Unit of an offset \[m\]: as far as first touch is commonly misjudged.
 const OFFSET_UNIT: f64 = 0.25e-3;
 
 /// A parameter and the key of the scene that it changes; the offset has none.

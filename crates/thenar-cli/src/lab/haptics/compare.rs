@@ -24,7 +24,7 @@ pub struct Args {
     /// The way it is led, world [m].
     #[arg(long, num_args = 3, allow_negative_numbers = true, default_values_t = [0.0, -0.02, 0.0])]
     way: Vec<f64>,
-    /// How often [Hz].
+    /// Frequency of the motion [Hz].
     #[arg(long, default_value_t = 1.0)]
     frequency: f64,
     /// Rate [Hz], delay [ms] and noise [mm] of the tracker.
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-/// As it reads in a table.
+/// Name of a mode in tables.
 fn name(mode: LoopMode) -> &'static str {
     match mode {
         LoopMode::Multirate => "multirate",

@@ -15,11 +15,11 @@ use thenar_touch::{GRIP, TrackerTiming};
 
 /// The built-in scene in which a hand lies down on a table and presses.
 const SCENE: &str = "table-press";
-/// When it lies there \[s\].
+/// Time at which it lies there \[s\].
 const UNTIL: f64 = 1.2;
 
-/// How stiff a coupling may be for a hand that gives way, against the tracker's rate and delay:
-/// found in closed loop with a scene, beside theory.
+/// Stiffness that a coupling may have for a hand that gives way, against the tracker's rate and
+/// delay: found in closed loop with a scene, beside theory.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A scene whose first hand is worn, with its motion as the wearer's command; without one, a
@@ -28,7 +28,7 @@ pub struct Args {
     /// Mass [kg], damping [N s/m] and stiffness [N/m] of each finger at its pad.
     #[arg(long, value_name = "M,B,K", default_value = "0.05,1,50", value_parser = human)]
     human: Human,
-    /// How touch joins the tracked hand and the simulation.
+    /// Mode in which touch joins the tracked hand and the simulation.
     #[arg(long, value_enum, default_value_t)]
     mode: ModeWord,
     /// Rates of the tracker [Hz], separated by commas.
@@ -234,7 +234,8 @@ mod tests {
         <Command as clap::Parser>::parse_from([&["map"], words].concat()).args
     }
 
-    /// What is stiffer than the scene's couplings is said in words, and is no point of the picture.
+    /// Stiffness above that of the scene's couplings is stated in words, and is no point of the
+    /// picture.
     #[test]
     fn maps_are_printed_and_drawn() {
         let args = args(&["--rates", "60,120", "--delays", "0,50"]);

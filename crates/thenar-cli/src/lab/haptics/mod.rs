@@ -17,7 +17,7 @@ pub struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
-    /// How stiff a coupling may be, against rate and delay: simulated beside theory.
+    /// Stiffness that a coupling may have, against rate and delay: simulated beside theory.
     Map(map::Args),
     /// The three modes of touch on one motion: stiffness, delay and energy.
     Compare(compare::Args),

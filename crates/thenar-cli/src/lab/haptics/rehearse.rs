@@ -23,7 +23,7 @@ pub struct Args {
     /// Rate [Hz], delay [ms] and noise [mm] of the tracker; with units also as 90Hz,0.04s,1mm.
     #[arg(long, value_name = "HZ,DELAY,NOISE", default_value = "90,20,0", value_parser = tracker)]
     tracker: TrackerTiming,
-    /// How touch joins the tracked hand and the simulation.
+    /// Mode in which touch joins the tracked hand and the simulation.
     #[arg(long, value_enum, default_value_t)]
     mode: ModeWord,
     /// Damping of the loosest grip that the loop reckons with [N s/m].

@@ -1,5 +1,5 @@
-//! What a soak must keep to. Limits of quality are requirements, the same at every step, of one
-//! seed or of several together: what a wearer of a glove or a viewer of the page would notice.
+//! Limits of a soak. Those of quality are requirements, the same at every step, of one seed or of
+//! several together: what a wearer of a glove or a viewer of the page would notice.
 
 use super::Extremes;
 use std::fmt;
@@ -56,7 +56,7 @@ fn under(what: &'static str, value: f64, unit: &'static str, limit: f64) -> Figu
     Figure { what, value, unit, bound: "under", limit, kept: value < limit * (1.0 - 1e-9) }
 }
 
-/// What every soak is held to: finite numbers and bounded energy.
+/// Figures that every soak is held to: finite numbers and bounded energy.
 pub fn soundness(e: &Extremes) -> Vec<Figure> {
     vec![
         at_most("steps taken back", e.non_finite as f64, "", 0.0),
@@ -64,8 +64,8 @@ pub fn soundness(e: &Extremes) -> Vec<Figure> {
     ]
 }
 
-/// What a soak at steps of `h` \[s\] is held to besides: no penetration that is felt or seen,
-/// joints that hold, contact as accurate as it is asked for.
+/// Further figures that a soak at steps of `h` \[s\] is held to: no penetration that is felt or
+/// seen, joints that hold, contact as accurate as it is asked for.
 pub fn quality(e: &Extremes, h: f64) -> Vec<Figure> {
     let percent = |steps: u64| 100.0 * steps as f64 / e.steps.max(1) as f64;
     vec![

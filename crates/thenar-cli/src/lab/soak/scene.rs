@@ -1,5 +1,4 @@
-//! What a soak simulates: a closed pen with a table, a car, a loaf and a hand that goes anywhere in
-//! it.
+//! Scene of a soak: a closed pen with a table, a car, a loaf and a hand that goes anywhere in it.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -139,7 +138,7 @@ fn key(random: &mut Random, lowest: f64) -> String {
     )
 }
 
-/// What the scene calls a body.
+/// Name of a body of the scene.
 pub fn name_of(body: BodyId) -> &'static str {
     match body {
         BodyId::Soft(0) => "the hand",

@@ -1,4 +1,4 @@
-//! What a validation case is, and what it finds.
+//! Validation cases, and what they find.
 
 use super::run::Solver;
 use thenar_core::world::Failure;
@@ -33,7 +33,7 @@ pub(crate) use scene;
 pub struct Case {
     /// Letter and number, e.g. `A3`.
     pub id: &'static str,
-    /// What it is about.
+    /// Subject of the case.
     pub title: &'static str,
     /// Too slow for the default run: only under `--full`.
     pub full: bool,
@@ -89,7 +89,7 @@ pub enum CaseError {
     Missing(String),
 }
 
-/// When a figure is met.
+/// Condition under which a figure is met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Check {
     /// `|got - expected| <= tolerance`.
@@ -111,7 +111,7 @@ pub enum Check {
     Report,
 }
 
-/// What became of a figure.
+/// Outcome of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The figure lies within its band.
@@ -130,7 +130,7 @@ pub enum Basis {
     /// Theory, a published figure or an independent computation.
     #[default]
     Theory,
-    /// How the program is built: whoever knows that knows the figure. It guards against slips and
+    /// Construction of the program: whoever knows it knows the figure. It guards against slips and
     /// says nothing of nature.
     Construction,
     /// Another part of this program.
@@ -145,7 +145,7 @@ pub enum Basis {
 /// One row of the table: a number measured, beside the one expected.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// What is measured, with its unit.
+    /// Quantity that is measured, with its unit.
     pub what: String,
     /// Mesh and time step.
     pub setup: String,
@@ -153,7 +153,7 @@ pub struct Figure {
     pub expected: f64,
     /// Value that was computed.
     pub got: f64,
-    /// When it is met.
+    /// Condition under which it is met.
     pub check: Check,
     /// Grounds of the expected value.
     pub basis: Basis,
@@ -206,7 +206,7 @@ impl Figure {
         }
     }
 
-    /// What became of the figure. What is not a number is never met.
+    /// Outcome of the figure. What is not a number is never met.
     pub fn outcome(&self) -> Outcome {
         let met = match self.check {
             Check::Absolute(tolerance) | Check::Relative(tolerance) => {

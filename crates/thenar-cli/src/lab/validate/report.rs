@@ -4,14 +4,14 @@ use super::case::{Basis, Case, CaseError, Check, Figure, Outcome};
 use crate::words::counted;
 use serde_json::{Value, json};
 
-/// What became of a case.
+/// Result of a case.
 #[derive(Debug)]
 pub struct Finding {
     /// The case.
     pub case: Case,
     /// Figures of the case, or why it could not be run.
     pub figures: Result<Vec<Figure>, CaseError>,
-    /// How long it took \[s\].
+    /// Time that it took \[s\].
     pub wall_s: f64,
 }
 

@@ -140,7 +140,7 @@ impl Run {
         self.world().contacts().iter().filter(bears).map(|c| c.area).sum()
     }
 
-    /// What acted in the last step.
+    /// Input of the last step.
     pub fn input(&self) -> &Input {
         self.session.input()
     }

@@ -49,7 +49,7 @@ impl Dots {
         Self { points }
     }
 
-    /// Where they are now.
+    /// Places of the points now.
     pub fn at<'a>(&'a self, vertices: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
         self.points.iter().map(|(corners, weights)| {
             corners.iter().zip(weights).map(|(v, w)| vertices[*v as usize] * *w).sum()
@@ -179,7 +179,7 @@ pub fn objects(session: &Session, ns: u64) -> Vec<(String, PointCloud)> {
     named.map(|(rigid, dots)| (rigid.name.clone(), cloud(ns, &rigid.name, [], dots))).collect()
 }
 
-/// Where points are on each deformable body.
+/// Points on each deformable body.
 pub fn flesh_dots(session: &Session) -> Vec<Dots> {
     let world = session.world();
     let softs = world.desc().softs.iter().enumerate();
@@ -205,9 +205,9 @@ pub fn flesh(session: &Session, dots: &[Dots], ns: u64) -> Vec<(String, PointClo
         .collect()
 }
 
-/// Where bodies touch, with what is there: force on the first body \[N\], its normal part, gap
-/// \[m\], normal towards that body, area \[m²\] and mean pressure \[Pa\], both 0 between rigid
-/// bodies, which touch at points.
+/// Points at which bodies touch, with what is there: force on the first body \[N\], its normal
+/// part, gap \[m\], normal towards that body, area \[m²\] and mean pressure \[Pa\], both 0 between
+/// rigid bodies, which touch at points.
 pub fn contacts(session: &Session, ns: u64) -> PointCloud {
     let names = [
         "force",

@@ -4,7 +4,7 @@ use super::numbers::Numbers;
 use thenar_record::ChannelInfo;
 use thenar_scene::session::{HandLoad, PARTS, Session};
 
-/// When steps were made.
+/// Numbers on the timing of steps.
 pub fn timing_numbers() -> Numbers {
     let fields = [
         // Steps of the replay so far.
@@ -24,7 +24,7 @@ pub fn timing(session: &Session, cost: Option<f64>, period: Option<f64>) -> [f64
     [session.steps() as f64, session.world().time(), known(cost), known(period)]
 }
 
-/// What steps report.
+/// Numbers that steps report.
 pub fn step_numbers() -> Numbers {
     let fields = [
         ("contacts", "1"),
@@ -59,7 +59,7 @@ pub fn step(session: &Session) -> [f64; 10] {
     ]
 }
 
-/// What presses on each part of each hand: `right_index_normal`.
+/// Numbers on the forces on each part of each hand: `right_index_normal`.
 pub fn force_numbers(session: &Session) -> Numbers {
     let of = |hand: &str| {
         let part = |name: &str| {

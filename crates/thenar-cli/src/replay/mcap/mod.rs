@@ -39,7 +39,7 @@ pub struct Export {
     writer: Writer<NoSeek<Output>>,
     topics: BTreeMap<String, Topic>,
     every: Every,
-    /// When the recording began \[ns since 1970\].
+    /// Start of the recording \[ns since 1970\].
     begun: u64,
     /// Time of the newest step in this scene \[ns\].
     last_step: Option<u64>,
@@ -47,7 +47,7 @@ pub struct Export {
     channels: BTreeMap<u32, ChannelInfo>,
     /// Topics of plain numbers.
     numbers: BTreeMap<String, Numbers>,
-    /// Where points are on each deformable body of the scene.
+    /// Points on each deformable body of the scene.
     flesh_dots: Vec<Dots>,
     /// Topics of the scene's point clouds.
     clouds: Vec<String>,
@@ -208,7 +208,7 @@ impl Export {
         self.moment(ns, session)
     }
 
-    /// What is to be seen now.
+    /// Writes what is to be seen now.
     fn moment(&mut self, ns: u64, session: &Session) -> Result<(), CliError> {
         let (now, at) = (self.time(ns), self.begun + ns);
         self.write("/tf", ns, &picture::transforms(session, now))?;

@@ -1,4 +1,4 @@
-//! What is to be seen of a session.
+//! Messages that draw a session.
 
 use super::message::{clear, colour, entity, placed, point, transform, vector};
 use foxglove::messages::{
@@ -26,7 +26,7 @@ const BREAD: [f64; 3] = [0.82, 0.62, 0.36];
 const THING: [f64; 3] = [0.55, 0.6, 0.66];
 pub const FORCE: [f64; 3] = [0.85, 0.1, 0.1];
 
-/// Where all bodies are, and where driven ones should be (`NAME/wanted`).
+/// Poses of all bodies, and those where driven ones should be (`NAME/wanted`).
 pub fn transforms(session: &Session, now: Timestamp) -> FrameTransforms {
     let world = session.world();
     let upright = Quat::from_axis_angle(&Vec3::x_axis(), std::f64::consts::FRAC_PI_2);

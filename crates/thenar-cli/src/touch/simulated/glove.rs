@@ -11,7 +11,7 @@ use thenar_link::twin::{PtyTwin, Twin};
 
 /// Time in which the hand opens and closes once \[s\].
 const PERIOD: f64 = 4.0;
-/// How far each finger is closed, from where to where: 0 open, 1 closed.
+/// Curls between which each finger goes: 0 open, 1 closed.
 pub const OPEN_TO_CLOSED: [[f64; 2]; 5] = [[0.0, 0.8]; 5];
 
 /// The twin, and the thread that moves its fingers.
@@ -48,7 +48,7 @@ impl WavingGlove {
         Ok(Self { path, stop, thread: Some(thread.map_err(failed)?) })
     }
 
-    /// Where a driver finds it.
+    /// Path at which a driver finds it.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -53,7 +53,7 @@ impl WornGrasp {
         Ok(Self { glove, profile, port, stop, bridge: Some(bridge.map_err(failed)?) })
     }
 
-    /// What drivers open: the glove, then the tendons, with these options of a person.
+    /// Addresses that drivers open: the glove, then the tendons, with these options of a person.
     pub fn addresses(&self, options: &str) -> Vec<String> {
         let (glove, profile) = (self.glove.path().display(), self.profile.display());
         let side = if options.is_empty() { "?side=right" } else { options };

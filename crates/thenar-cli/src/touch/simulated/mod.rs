@@ -10,7 +10,7 @@ use crate::error::CliError;
 /// Begins the addresses of simulated devices.
 const SIMULATED: &str = "simulated";
 
-/// What has been simulated as long as this lives.
+/// Devices that are simulated as long as this lives.
 #[derive(Default)]
 pub struct Simulated {
     #[cfg(unix)]

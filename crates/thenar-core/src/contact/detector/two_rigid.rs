@@ -33,8 +33,8 @@ impl<'a> TwoRigid<'a> {
         0.5 * self.thickness
     }
 
-    /// How far the two have moved past each other, if that is enough to make an overlap that counts
-    /// \[m\].
+    /// Returns the distance that the two have moved past each other \[m\], if it suffices for an
+    /// overlap that counts.
     pub fn past(&self, since: &Since) -> Option<f64> {
         let past = since.past(self.bodies[0].1, self.bodies[1].1);
         (past > since.known.slack.min(self.slack())).then_some(past)

@@ -1,4 +1,4 @@
-//! How entangled regions are led out: contacts of their vertices and edges.
+//! Contacts of vertices and edges that lead entangled regions out.
 
 use super::{DeepScratch, NONE, Place, Region};
 use crate::contact::collector::{Collector, feature_key};

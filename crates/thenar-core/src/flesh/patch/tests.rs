@@ -131,7 +131,7 @@ fn no_net_force_no_net_torque_and_rotation_invariance() {
     }
 }
 
-/// Where all elements deform alike, a patch is the sum of its tetrahedra.
+/// A patch whose elements all deform alike is the sum of its tetrahedra.
 #[test]
 fn an_even_deformation_costs_what_it_costs_the_tetrahedra() {
     let (mut random, rest) = (Random::new(5), octahedron());

@@ -1,4 +1,4 @@
-//! Where taxels are now, and which way they look.
+//! Present places and directions of taxels.
 
 use super::TaxelPlace;
 use crate::math::Vec3;

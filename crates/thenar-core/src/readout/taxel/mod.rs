@@ -46,7 +46,7 @@ pub struct TaxelContact {
 /// Reason why places cannot be those of taxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TaxelError {
-    /// There is no such body.
+    /// No deformable body has this index.
     #[error("there is no deformable body {soft}: the world has {count}")]
     NoBody {
         /// Index given.

@@ -1,4 +1,4 @@
-//! Where a taxel is on a surface.
+//! Place of a taxel on a surface.
 
 use crate::contact::{closest_on_triangle, cut_by_ray};
 use crate::math::Vec3;
@@ -49,8 +49,8 @@ impl<'a> TaxelSkin<'a> {
         })
     }
 
-    /// How far it is from a point to the surface in a direction, in lengths of that; `None` where
-    /// it is not met.
+    /// Returns the distance from a point to the surface in a direction, in lengths of that; `None`
+    /// where the ray misses it.
     pub fn way(&self, from_M: &Vec3, direction_M: &Vec3) -> Option<f64> {
         let triangles = self.flesh.collision.triangles.iter();
         let ways = triangles.filter_map(|t| cut_by_ray(from_M, direction_M, &self.corners(t)));

@@ -280,8 +280,8 @@ fn what_obeys_the_law_does_not_stray() {
     assert!(pressing > 100 && sliding > 30, "{pressing} press, {sliding} slide");
 }
 
-/// What no friction holds bears none, a limit and a contact push only, and what is not a number is
-/// not lawful.
+/// A contact without friction bears no tangential impulse, a limit and a contact push only, and
+/// what is not a number is not lawful.
 #[test]
 fn impulses_that_no_velocity_goes_with_stray() {
     let mut rows = crate::solver::ContactRows::with_capacity(0, 1);

@@ -15,17 +15,17 @@ use std::ops::Range;
 pub struct Coarse {
     /// Group of each node.
     group_of_node: Vec<Option<u32>>,
-    /// Where the freedoms of each group begin.
+    /// Index of the first freedom of each group.
     group_start: Vec<usize>,
-    /// Where each group's block begins in `blocks`.
+    /// Offset of each group's block in `blocks`.
     block_start: Vec<usize>,
     /// K_uu, blocks row by row.
     pub blocks: Vec<f64>,
-    /// Where each node's row begins in `cross`; one more at the end.
+    /// Offset of each node's row in `cross`; one more at the end.
     cross_start: Vec<usize>,
     /// Cross blocks C.
     pub cross: Vec<Vec3>,
-    /// Where each node's entries of J Z begin; one more at the end.
+    /// Offset of each node's entries of J Z; one more at the end.
     skin_start: Vec<usize>,
     /// Freedom of each entry, counted within the group.
     skin_dofs: Vec<u32>,
@@ -104,7 +104,7 @@ impl Coarse {
         self.group_of_node[node].map(|g| (g as usize, range))
     }
 
-    /// Where a group's block lies.
+    /// Returns the range of a group's block.
     pub fn block(&self, group: usize) -> Range<usize> {
         self.block_start[group]..self.block_start[group + 1]
     }

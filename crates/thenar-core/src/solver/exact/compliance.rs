@@ -32,7 +32,7 @@ impl Compliance {
         &self.numbers[row * self.stride..(row + 1) * self.stride]
     }
 
-    /// What contact m does to itself.
+    /// Returns the response of contact m to itself.
     pub fn own(&self, m: usize) -> Mat3 {
         Mat3::from_fn(|a, b| f64::from(self.at(3 * m + a, 3 * m + b)))
     }

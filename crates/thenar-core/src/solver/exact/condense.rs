@@ -46,7 +46,7 @@ pub struct Condensed {
     bodies: Vec<(u32, u32, [usize; 2])>,
     /// Two blocks of J of a held node, their pair, and the carried node.
     held: Vec<([u32; 2], u32, u32)>,
-    /// Where each body's columns begin in `columns`; one more at the end.
+    /// Index of each body's first column in `columns`; one more at the end.
     columns_start: Vec<usize>,
     columns: Vec<Columns>,
 }

@@ -1,4 +1,4 @@
-//! How far sweeps are from their end, told from the last of them.
+//! Error that sweeps have left, estimated from the last of them.
 //!
 //! Near the end their changes shrink as a geometric series, so what is left after a change c is
 //! `c ρ / (1 - ρ)`. ρ is the slowest rate of late; it may be near 1 where many contacts share a
@@ -30,7 +30,7 @@ impl Default for Decay {
 }
 
 impl Decay {
-    /// What comes next does not go on from the last change: their ratio tells nothing.
+    /// Notes that the next change does not continue the last: their ratio means nothing.
     pub fn interrupt(&mut self) {
         self.last = f64::INFINITY;
     }

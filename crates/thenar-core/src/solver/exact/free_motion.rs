@@ -14,7 +14,7 @@ pub(super) const WINDOW: u32 = 4;
 /// are lost, not the result.
 const AT_REST: f64 = 100.0;
 
-/// How the step before ended.
+/// State of contact at the end of the step before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LastContact {
     /// Nothing touched.

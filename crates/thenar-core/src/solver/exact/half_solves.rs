@@ -33,7 +33,7 @@ impl HalfSolves {
         }
     }
 
-    /// How many batches there is room for.
+    /// Returns the number of batches that there is room for.
     pub fn batches(&self) -> usize {
         self.reached.len().checked_div(self.supernodes).unwrap_or(0)
     }

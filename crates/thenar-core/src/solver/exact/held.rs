@@ -201,7 +201,7 @@ fn moves(system: &System<'_>, body: u32) -> bool {
     system.bodies.group_of_body(body as usize).is_some()
 }
 
-/// How fast the bodies turn away from the bound, at [`TURN_LEVER`] \[m/s\].
+/// Returns the speed at which the bodies turn away from the bound, at [`TURN_LEVER`] \[m/s\].
 fn turning(system: &System<'_>, bound: &Bound, u: &[f64]) -> f64 {
     let of = |body: u32| {
         let columns = system.bodies.columns(body as usize);

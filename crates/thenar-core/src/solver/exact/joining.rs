@@ -1,4 +1,4 @@
-//! Which contacts enter the compliance next.
+//! Choice of the contacts that enter the compliance next.
 //!
 //! At long time steps the velocities without contact carry a hand far into a table, and every point
 //! of it seems to press. Few do once the others hold it. So those that pressed before start, then
@@ -15,7 +15,7 @@ const JOIN_MAX: usize = 64;
 /// The contacts that wait, and which places are taken.
 #[derive(Clone, Debug, Default)]
 pub struct Joining {
-    /// How fast each closes \[m/s\], and its row.
+    /// Closing speed of each \[m/s\], and its row.
     waiting: Room<(f64, u32)>,
     /// Per node, the last round in which a contact that leans mostly on it entered.
     taken: Vec<u32>,
@@ -38,7 +38,7 @@ impl Joining {
         self.waiting.push((speed, i as u32));
     }
 
-    /// How many wait.
+    /// Returns the number that wait.
     pub fn len(&self) -> usize {
         self.waiting.len()
     }

@@ -24,7 +24,7 @@ const DEPENDENT: f64 = 1e-6;
 /// Freedoms that move each body, and how.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
-    /// Where each body's columns begin; one more at the end.
+    /// Index of each body's first column; one more at the end.
     pub first: Vec<usize>,
     /// Freedom that each column belongs to.
     pub dofs: Vec<u32>,
@@ -43,7 +43,7 @@ impl Columns {
         Self { first, values: vec![Vec6::zeros(); dofs.len()], dofs }
     }
 
-    /// Where a body's columns lie.
+    /// Returns the range of a body's columns.
     #[inline]
     pub fn range(&self, body: usize) -> Range<usize> {
         self.first[body]..self.first[body + 1]

@@ -46,7 +46,7 @@ struct Quotient {
     met: Vec<Vec<u32>>,
     /// Number of nodes of each element that are not in the newest.
     outside: Vec<usize>,
-    /// When a node was last met.
+    /// Stamp at which each node was last met.
     seen: Vec<u32>,
     stamp: u32,
 }

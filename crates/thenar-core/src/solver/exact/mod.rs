@@ -65,7 +65,7 @@ use jacobi::BlockJacobi;
 use pcg::Stop;
 use symbolic::Symbolic;
 
-/// What the solver is built from.
+/// Inputs from which the solver is built.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
     /// True for each body that moves by itself.
@@ -130,7 +130,7 @@ pub struct Exact {
     work: pcg::Workspace,
 }
 
-/// What a step gives: matrix, right-hand side, what is known.
+/// Inputs of a step: matrix, right-hand side, known components.
 #[derive(Clone, Copy, Debug)]
 pub struct StepSystem<'a> {
     /// Eq. 9's matrix without the coupling springs.
@@ -141,7 +141,7 @@ pub struct StepSystem<'a> {
     pub known: &'a [[bool; 3]],
 }
 
-/// How accurately to solve.
+/// Accuracy of a solve, and its limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy {
     /// Take the best that is found where the accuracy cannot be had, rather than fail.

@@ -41,7 +41,7 @@ const WAY_LEFT: f64 = 1.2;
 /// Iterations without a new least residual after which there is nothing more to gain.
 const PATIENCE: u32 = 30;
 
-/// How well a system was solved.
+/// Outcome of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Solved {
     /// Iterations done.
@@ -86,7 +86,7 @@ impl Workspace {
     }
 }
 
-/// When to stop.
+/// Stopping rules of the iteration.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
     /// Largest velocity error \[m/s\].
@@ -97,8 +97,8 @@ pub struct Stop {
     pub iterations_max: u32,
     /// A speed of the solution \[m/s\]: of this, nothing below round-off is asked for.
     pub scale: f64,
-    /// What iterations with this preconditioner have left of an error's energy: where that is so
-    /// little that it meets the tolerance, the preconditioner is not asked again.
+    /// Part of an error's energy that iterations with this preconditioner have left: where it is
+    /// small enough to meet the tolerance, the preconditioner is not asked again.
     pub left: Option<f64>,
     /// Ends as soon as the most iterations will probably not be enough, where something else is at
     /// hand.

@@ -1,5 +1,5 @@
-//! What touch needs of the system: how some bodies and contacts answer to wrenches on these bodies
-//! and to contact forces.
+//! Response of some bodies and contacts to wrenches on these bodies and to contact forces, which
+//! touch needs of the system.
 //!
 //! With the flesh eliminated, `K⁻¹` of the bodies is `Z S⁻¹ Zᵀ`. One column of Z per body and
 //! direction, half solved, `G = L_S⁻¹ Zᵀ`, gives both products with the H of the contacts
@@ -18,7 +18,7 @@ use crate::solver::exact::{Accuracy, Coordinates, Exact, StepSystem, pcg, small_
 use crate::solver::{ContactRows, JointBlock};
 use std::ops::Range;
 
-/// Where the answers go; row-major, n bodies of six directions (linear, then angular, world), m
+/// Output of the responses; row-major, n bodies of six directions (linear, then angular, world), m
 /// rows of contacts.
 #[derive(Debug)]
 pub struct Answer<'a> {

@@ -199,7 +199,7 @@ impl Reduction {
         self.shown().of(body)
     }
 
-    /// What z gives a body: linear and angular velocity.
+    /// Returns the velocity that z gives a body, linear and angular.
     pub fn offset(&self, body: usize) -> [Vec3; 2] {
         unstack(&self.offsets[body])
     }

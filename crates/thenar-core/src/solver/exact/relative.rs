@@ -25,7 +25,7 @@ pub struct CarriedNode {
     pub held: [bool; 3],
     /// Skinning weights.
     pub weights: [f64; 2],
-    /// How its target moves when bones turn.
+    /// Motion of its target as bones turn.
     pub turning: Turning,
     /// `Δt² k + Δt c` \[kg\].
     pub spring: f64,
@@ -128,7 +128,7 @@ impl Coordinates {
 pub struct System<'a> {
     /// Eq. 9's matrix without the coupling springs.
     pub A: &'a BlockMatrix,
-    /// Where the flesh columns begin in each row of A.
+    /// Index of the first flesh column in each row of A.
     pub split: &'a [u32],
     /// Z and z.
     pub bodies: &'a Reduction,

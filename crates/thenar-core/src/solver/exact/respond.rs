@@ -1,4 +1,4 @@
-//! What contact adds to the velocities without it.
+//! Change of the velocities by contact.
 
 use crate::math::Vec3;
 use crate::model::Cone;
@@ -26,8 +26,9 @@ pub(super) const RESUMED_MAX: u32 = 7;
 const JOINS_MAX: u32 = 32;
 
 impl Exact {
-    /// What contact adds to the velocities just found, left in `change`, and its impulses. Both
-    /// start from those of the step before: what `change` holds, and the impulses in `contacts`.
+    /// Finds the change that contact makes to the velocities just found, left in `change`, and its
+    /// impulses. Both start from those of the step before: the old `change`, and the impulses in
+    /// `contacts`.
     ///
     /// # Errors
     /// The flesh cannot be factored, too many contacts press, or the velocities do not converge.
@@ -212,7 +213,7 @@ impl Exact {
     }
 }
 
-/// How often contact was solved again, and why.
+/// Counts of contact solved again, by cause.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rounds {
     corrections: u32,

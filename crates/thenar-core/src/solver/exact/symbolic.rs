@@ -26,13 +26,13 @@ const SMALL: usize = LANES / 3;
 pub struct Supernode {
     /// First node, in elimination order.
     pub first: usize,
-    /// How many nodes.
+    /// Number of nodes.
     nodes: usize,
-    /// Where its rows below the pivots begin in `Symbolic::rows`.
+    /// Offset of its rows below the pivots in `Symbolic::rows`.
     pub rows: usize,
-    /// How many nodes are below.
+    /// Number of nodes below.
     pub below: usize,
-    /// Where its panel begins.
+    /// Offset of its panel.
     panel: usize,
     /// The supernode of its first row below.
     pub parent: Option<u32>,
@@ -63,7 +63,7 @@ impl Supernode {
         3 * self.first..3 * self.first + self.width()
     }
 
-    /// Where its panel lies.
+    /// Returns the range of its panel.
     pub fn panel(&self) -> Range<usize> {
         self.panel..self.panel + self.width() * self.stride()
     }
@@ -74,7 +74,7 @@ impl Supernode {
         self.stride() - dense::line(self.width())
     }
 
-    /// Where in a column of the outer product the first row below is.
+    /// Returns the offset of the first row below in a column of the outer product.
     pub fn update_offset(&self) -> usize {
         self.width() - dense::line(self.width())
     }
@@ -87,7 +87,8 @@ pub struct Segment {
     pub target: u32,
     /// One past the last of these rows, in nodes counted from the first below the pivots.
     pub end: usize,
-    /// Where in `Symbolic::runs` these rows and those below find their place in the target's panel.
+    /// Range of `Symbolic::runs` by which these rows and those below find their place in the
+    /// target's panel.
     pub runs: [usize; 2],
 }
 
@@ -135,7 +136,7 @@ pub struct Symbolic {
     pub runs: Vec<Run>,
     /// The matrix's blocks.
     pub loads: Vec<Load>,
-    /// Where each node's diagonal begins in the panels, and from column to column there.
+    /// Offset of each node's diagonal in the panels, and stride from column to column there.
     pub diagonals: Vec<(u32, u32)>,
     /// Supernode of each place.
     pub supernode_of: Vec<u32>,
@@ -320,7 +321,7 @@ fn postorder(columns: &[Vec<u32>]) -> Vec<u32> {
     order
 }
 
-/// Where each node is in an order.
+/// Returns the place of each node in an order.
 fn places(order: &[u32]) -> Vec<u32> {
     let mut place_of_node = vec![0; order.len()];
     for (k, &node) in order.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! What the device of the address given tells, such as `openxr:`, a line each: hands, losses and
-//! messages, until its input ends.
+//! Prints what the device at the given address, such as `openxr:`, reports, one line each: hands,
+//! losses and messages, until its input ends.
 //!
 //! `hand left X Y Z A B C W RADIUS ...` for 25 joints, `lost left`, `told MESSAGE`.
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use thenar_core::random::Random;
 use thenar_track::{Recording, TrackedSample};
 
-/// What was lost on the way: worst and mean angle of finger bones, of thumb bones and of the
+/// Errors of the rebuilt joints: worst and mean angle of finger bones, of thumb bones and of the
 /// wrist \[degrees\], mean distance of metacarpal bases \[m\].
 #[derive(Debug, Default)]
 struct Errors {

@@ -114,7 +114,7 @@ fn right_angle(pair: &[SettledJoint]) -> Result<(), String> {
     Err(format!("the hinges {names} are not at right angles"))
 }
 
-/// What is told of hinges that are moved so far to meet \[m\].
+/// Remark on hinges whose axes are moved by up to `away` to meet \[m\].
 fn moved(away: Option<f64>) -> String {
     away.map_or_else(String::new, |away| {
         format!(", halfway between their axes, which are moved by up to {:.1} mm", 1e3 * away)

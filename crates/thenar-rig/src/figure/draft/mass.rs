@@ -77,7 +77,7 @@ impl LinkMass {
         Self { body, stated: self.stated || other.stated }
     }
 
-    /// What a plan says of it.
+    /// Mass as a plan states it.
     pub fn told(self) -> Option<PlanMass> {
         let body = self.body.filter(|_| self.stated)?;
         // Turning leaves rounding errors.

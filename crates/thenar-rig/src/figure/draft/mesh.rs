@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use thenar_core::shape::Shape;
 use thenar_core::{Pose, Quat, Vec3};
 
-/// What is done to the vertices of a mesh file: moved, turned, then multiplied.
+/// Change to the vertices of a mesh file: moved, turned, then multiplied.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::figure) struct MeshChange {
     /// Place in the file that becomes the origin.
@@ -27,7 +27,7 @@ pub(in crate::figure) struct MeshSolid {
     pub shape: Shape,
     /// Shape frame S in F.
     pub pose_FS: Pose,
-    /// What the mesh encloses at density 1, in F.
+    /// Body that the mesh encloses at density 1, in F.
     pub body: Body,
 }
 

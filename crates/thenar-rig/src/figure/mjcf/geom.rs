@@ -15,7 +15,7 @@ const DENSITY: f64 = 1000.0;
 const TYPES: [&str; 9] =
     ["sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "plane", "hfield", "sdf"];
 
-/// What a geom is for.
+/// Role of a geom in contact and in mass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Role {
     /// True where others touch the geom.
@@ -26,7 +26,7 @@ pub(super) struct Role {
     pub heavy: bool,
 }
 
-/// What a geom is for, by its attributes alone.
+/// Returns the role of a geom, by its attributes alone.
 pub(super) fn role(place: &Place<'_>, context: &Context<'_>) -> Result<Role, RigError> {
     let styled = context.classes.styled(place.element, place.class)?;
     let touches =

@@ -1,10 +1,10 @@
-//! What `<compiler>` sets.
+//! Settings of the `<compiler>` element.
 
 use super::{Element, RigError};
 use std::path::{Path, PathBuf};
 use thenar_core::Vec3;
 
-/// When masses come from geoms.
+/// Condition under which masses come from geoms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FromGeoms {
     Never,
@@ -25,7 +25,7 @@ pub(super) struct Settings {
     pub mesh_folder: PathBuf,
     /// Only the last part of a mesh's path counts.
     pub strip_path: bool,
-    /// When masses come from geoms.
+    /// Condition under which masses come from geoms.
     pub from_geoms: FromGeoms,
     /// First and last group of geoms that have mass.
     pub mass_groups: [f64; 2],

@@ -1,4 +1,4 @@
-//! Which body of the world is the figure.
+//! Choice of the world's body that is the figure.
 
 use super::super::draft::listed;
 use super::classes::Classes;
@@ -46,7 +46,7 @@ pub(super) fn read<'a>(
     choose(root, &bodies, geoms)
 }
 
-/// What is in a frame (or in the world), last first.
+/// Returns the contents of a frame (or of the world), last first.
 pub(super) fn inside<'a>(
     place: Place<'a>,
     classes: &Classes<'a>,

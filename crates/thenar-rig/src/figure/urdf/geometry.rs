@@ -89,8 +89,8 @@ fn mesh(
     Ok(LinkSolid { shape: solid.shape, pose_LS: *pose_LG * solid.pose_FS })
 }
 
-/// Where a mesh lies. Packages are looked for in the file's folder and above it, with and without
-/// their names.
+/// Finds the file of a mesh. Packages are looked for in the file's folder and above it, with and
+/// without their names.
 fn find(name: &str, folder: &Path) -> Option<PathBuf> {
     let package = ["package://", "model://"].iter().find_map(|scheme| name.strip_prefix(scheme));
     let plain = name.strip_prefix("file://").unwrap_or(name);

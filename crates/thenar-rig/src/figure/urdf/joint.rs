@@ -6,7 +6,7 @@ use thenar_core::Vec3;
 use thenar_core::model::{AngleLimit, Axis, JointKind};
 use thenar_input::quoted;
 
-/// How a joint moves.
+/// Kind of a joint's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Revolute,

@@ -1,4 +1,4 @@
-//! How the links of a URDF file hang together.
+//! Tree of the links of a URDF file.
 
 use super::super::draft::{Follows, hint, listed};
 use super::joint::{Joint, Kind};
@@ -164,7 +164,7 @@ impl<'a> Tree<'a> {
         Ok(follows)
     }
 
-    /// What is told of a root that is left out.
+    /// Note on a root that is left out.
     pub fn dropped_root(&self) -> Result<Option<String>, RigError> {
         let dropped = self.joints.iter().find(|joint| joint.is_dropped());
         Ok(dropped.map(|joint| {

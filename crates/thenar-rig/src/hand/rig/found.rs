@@ -1,4 +1,4 @@
-//! Which joints of a rig are the hand's: by the name map, by WebXR's names, or by what names say.
+//! Search for the hand's joints in a rig: by the name map, by WebXR's names, or by what names say.
 
 use super::words::{self, Place, Said, Thumbs};
 use crate::RigError;

@@ -22,7 +22,7 @@ const THUMB_AXIS: Vec3 = Vec3::new(0.0, -0.878, 0.479);
 /// what it bends.
 const THUMB_BEND_MIN: f64 = 0.26;
 
-/// What the frames of a rig's joints are taken from.
+/// Source of the frames of a rig's joints.
 #[derive(Clone, Debug)]
 pub(in crate::hand) enum Frames {
     /// The rig's own.

@@ -11,8 +11,8 @@ use thenar_core::model::Digit;
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
-/// Where a metacarpal begins that a rig lacks: parts of the knuckle's place in the wrist's frame,
-/// aside and along, of index to little finger. Those of the WebXR generic hand.
+/// Bases of metacarpals that a rig lacks: parts of the knuckle's place in the wrist's frame, aside
+/// and along, of index to little finger. Those of the WebXR generic hand.
 const METACARPAL_BASES: [[f64; 2]; 4] = [[0.43, 0.33], [0.43, 0.32], [0.46, 0.32], [0.66, 0.46]];
 
 /// A rig and how it is read.
@@ -35,7 +35,7 @@ impl<'a> Posed<'a> {
         &self.pose_MR
     }
 
-    /// Where a thumb's ray leaves the wrist, in M.
+    /// Point at which a thumb's ray leaves the wrist, in M.
     pub fn thumb_base(&self) -> Vec3 {
         match self.frames {
             // So it was when rigs had WebXR's frames alone; the shipped hands rest on it.

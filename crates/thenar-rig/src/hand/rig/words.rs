@@ -1,4 +1,4 @@
-//! What the names of common rigs say: which digit, which joint of it, which side.
+//! Words in the names of common rigs: which digit, which joint of it, which side.
 //!
 //! Names are cut into words at signs, digits and capitals; what is no word of the tables says
 //! nothing. So are read the joints of WebXR and OpenXR, Oculus hands, VRM 0 and 1, Unity's
@@ -7,7 +7,7 @@
 
 use thenar_core::model::{Digit, Side};
 
-/// What a name says of a joint's place in its digit.
+/// Place of a joint in its digit, as a name says it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
     /// A bone's word: 0 metacarpal, 1 proximal, 2 intermediate, 3 distal.
@@ -20,7 +20,7 @@ pub(super) enum Place {
     End(u32),
 }
 
-/// What a name says.
+/// Meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Said {
     /// The wrist, the better the smaller the number.

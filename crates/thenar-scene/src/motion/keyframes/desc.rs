@@ -11,7 +11,7 @@ use thenar_core::model::Digit;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyframesDesc {
-    /// What to do with joint angles out of range.
+    /// Treatment of joint angles out of range.
     #[serde(default)]
     pub limits: LimitPolicy,
     /// The keys, in order of time.
@@ -19,7 +19,7 @@ pub struct KeyframesDesc {
     pub key: Vec<Key>,
 }
 
-/// What to do with a joint angle that `joints` puts out of range. Shapes and curls are clamped, but
+/// Treatment of a joint angle that `joints` puts out of range. Shapes and curls are clamped, but
 /// for a fist, which is squeezed against the ends of its joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -35,7 +35,7 @@ pub enum LimitPolicy {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Key {
-    /// When \[s\]; strictly increasing from key to key.
+    /// Time \[s\]; strictly increasing from key to key.
     pub time: f64,
     /// The wrist.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -43,19 +43,19 @@ pub struct Key {
     /// Shape of the whole hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pose: Option<Preset>,
-    /// How far each finger is closed, from 0 (open) to 1 (fist).
+    /// Closure of each finger, from 0 (open) to 1 (fist).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub curl: BTreeMap<Digit, f64>,
     /// Single joints, by the name of the joint or of the bone it carries.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub joints: BTreeMap<String, JointKey>,
-    /// Where the middle of each finger's pad is, world \[m\].
+    /// Position of the middle of each finger's pad, world \[m\].
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub tips: BTreeMap<Digit, [f64; 3]>,
 }
 
-/// Where the wrist's frame is in the world. Its -z axis points to the fingers, +y out of the back
-/// of the hand. Give the rotation, or the two directions.
+/// Pose of the wrist's frame in the world. Its -z axis points to the fingers, +y out of the back of
+/// the hand. Give the rotation, or the two directions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WristKey {

@@ -34,7 +34,7 @@ pub enum ReplayError {
     /// A frame is whole, but not understood.
     #[error("the frame before byte {offset} is invalid: {what}")]
     Content {
-        /// Where it ends.
+        /// Offset of the frame's end \[bytes\].
         offset: u64,
         /// Thing that is missing.
         what: &'static str,

@@ -1,8 +1,8 @@
-//! What happens in a replay.
+//! Events of a replay.
 
 use thenar_record::{ChannelInfo, Gap};
 
-/// What happened in a replay. Times are those of the recording \[ns\].
+/// Event of a replay. Times are those of the recording \[ns\].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A session has begun.
@@ -21,9 +21,9 @@ pub enum Event {
     },
     /// A step was made.
     Stepped {
-        /// When it was over.
+        /// Time at which it was over \[ns\].
         time_ns: u64,
-        /// What it took when it was recorded \[ns\]; `None` where no mark was kept.
+        /// Duration when it was recorded \[ns\]; `None` where no mark was kept.
         cost_ns: Option<u32>,
     },
     /// A channel is announced.

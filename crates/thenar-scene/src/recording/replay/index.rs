@@ -1,4 +1,4 @@
-//! Where a recording can be replayed from.
+//! Index of places to replay a recording from.
 
 use super::ReplayError;
 use super::pace::{LEAP_NS, is_ahead};

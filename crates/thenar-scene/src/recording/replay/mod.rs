@@ -34,7 +34,7 @@ pub struct Replay {
     header: Header,
     frames: Frames<BufReader<File>>,
     session: Option<Session>,
-    /// Where in the file its scene is \[bytes\], and the session as it was built.
+    /// Offset of its scene in the file \[bytes\], and the session as it was built.
     beginning: Option<(u64, Keyframe)>,
     /// Hash of the state that its scene began with when it was recorded.
     start_hash: u64,
@@ -79,7 +79,7 @@ impl Replay {
         })
     }
 
-    /// What the recording says of itself.
+    /// Header of the recording.
     pub fn header(&self) -> &Header {
         &self.header
     }
@@ -94,12 +94,12 @@ impl Replay {
         self.session.as_mut()
     }
 
-    /// What was found so far.
+    /// Findings up to now.
     pub fn verdict(&self) -> &Verdict {
         &self.verdict
     }
 
-    /// How much of the file has been read \[bytes\].
+    /// Length of what has been read of the file \[bytes\].
     pub fn bytes_read(&self) -> u64 {
         self.frames.offset()
     }

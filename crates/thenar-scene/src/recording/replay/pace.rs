@@ -1,5 +1,5 @@
-//! Whether a frame can have the number and the time that it carries. Checksums tell what a disk has
-//! done to a file; this tells what somebody has written into one, checksums included.
+//! Checks of the number and the time that a frame carries. Checksums tell what a disk has done to a
+//! file; these tell what somebody has written into one, checksums included.
 //!
 //! Simulated time is the sum of the steps' times, so that every time in a run as fast as it can be
 //! is known beforehand. By a clock on the wall times rise, and a frame that leaps ahead of those
@@ -16,11 +16,12 @@ use thenar_record::{Frame, FrameKind, Frames};
 pub const UNMARKED_MAX: u64 = 1_000_000;
 /// No step is shorter, by either clock: the least time step of a scene \[ns\].
 const STEP_NS_MIN: u64 = 100;
-/// Where a session leaps by more time \[ns\] or more steps, what comes behind is looked at.
+/// Leap of a session in time \[ns\], and below in steps, beyond which the frames behind are looked
+/// at.
 pub const LEAP_NS: u64 = 1_000_000_000;
 const LEAP_STEPS: u64 = 1000;
 
-/// How far the session's frames have come.
+/// Progress of the session's frames.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     /// Time of the newest frame \[ns\].

@@ -24,7 +24,7 @@ impl Replay {
     }
 
     /// Goes to the last keyframe before `seconds`, or to the beginning of its scene when there is
-    /// none: the session is as it was there. What comes next is told as after opening, the scene
+    /// none: the session is as it was there. Events follow as after opening, the scene
     /// and its channels first; the verdict begins anew. Returns the time \[s\].
     ///
     /// # Errors

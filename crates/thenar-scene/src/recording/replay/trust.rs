@@ -1,4 +1,4 @@
-//! How far a replay is to be trusted after damage.
+//! Trust in a replay after damage.
 
 use super::item::Item;
 use super::{Event, Replay};
@@ -9,13 +9,13 @@ use thenar_record::Fault;
 /// Number of steps made after damage to find out whether anything of the session is missing.
 const DOUBTED_MAX: u64 = 100;
 
-/// How far the session is known to be what was recorded.
+/// Degree to which the session is known to be what was recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trust {
-    /// As far as is known.
+    /// Nothing is known to be missing.
     Sound,
-    /// Something is missing, of the session or of a channel only. So many steps were made since:
-    /// the hash after one of them tells.
+    /// Something is missing, of the session or of a channel only. This number of steps was made
+    /// since: the hash after one of them tells.
     Doubtful(u64),
     /// Something of the session is missing: steps are passed over up to a keyframe.
     Lost,

@@ -1,4 +1,4 @@
-//! What the contact read-out gives as columns.
+//! Columns of the contact read-out.
 
 use crate::format::VertexWord;
 use crate::math::Vec3;

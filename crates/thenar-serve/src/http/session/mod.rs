@@ -34,7 +34,7 @@ use writer::Writer;
 /// Beyond this a message is not even read; within it a message that is too long gets a remark.
 const MESSAGE_BYTES: usize = 16 * 1024;
 
-/// How long closing may take, on either side.
+/// Time that closing may take, on either side.
 const CLOSING: Duration = Duration::from_secs(1);
 
 type Socket = WebSocketStream<TokioIo<Upgraded>>;

@@ -1,4 +1,4 @@
-//! What a client sends: bounded, and handed to the simulation without waiting for it.
+//! Messages from a client: bounded, and handed to the simulation without waiting for it.
 
 use super::{End, Ingoing, Remark};
 use crate::http::hall::Seat;
@@ -16,10 +16,10 @@ use tokio_tungstenite::tungstenite::{Error, Message};
 /// The longest binary message that is looked at.
 const BINARY_BYTES: usize = 1024;
 
-/// How soon a pose is offered again to a busy simulation.
+/// Time until a pose is offered again to a busy simulation.
 const RETRY: Duration = Duration::from_millis(2);
 
-/// How often a client hears that its texts are dropped.
+/// Least time between two reminders to a client that its texts are dropped.
 const REMIND: Duration = Duration::from_secs(1);
 
 /// The reading half of a session.
@@ -36,7 +36,7 @@ pub struct Reader<'a> {
     reminded: Option<Instant>,
     /// The newest pose of each hand that could not be handed over yet.
     waiting: [Option<Bytes>; 2],
-    /// When to try again.
+    /// Time of the next try.
     retry: Instant,
 }
 

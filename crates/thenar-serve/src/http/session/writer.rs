@@ -1,4 +1,4 @@
-//! What a client gets: the welcome, then always the newest of everything.
+//! Messages to a client: the welcome, then always the newest of everything.
 
 use super::{End, Outgoing, Remark};
 use crate::http::hall::Seat;

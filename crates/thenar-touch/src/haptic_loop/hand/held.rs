@@ -1,9 +1,8 @@
-//! Where a hand was last seen, for as long as its tracker does not see it.
+//! Last known pose of a hand, for as long as its tracker does not see it.
 //!
 //! A tracker that is silent for a moment, or says that it does not see the hand, or a loop that
-//! stood still, says nothing of where the hand went: it is held still where it was, by the same
-//! samples again. When it is seen there anew it simply goes on. Seen elsewhere it sets out for
-//! there.
+//! stood still, says nothing of where the hand went: the hand is held still where it was, by the
+//! same samples again. Seen there anew, it simply continues. Seen elsewhere, it sets out for there.
 
 use serde::{Deserialize, Serialize};
 use thenar_track::live::LivePose;
@@ -30,11 +29,11 @@ const FAR: [f64; 2] = [0.05, 0.5];
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HeldSample {
     pose: LivePose,
-    /// When it was measured, and when it came; both go on with each time it is reported again
+    /// Time of measurement, and of arrival; both advance each time the sample is reported again
     /// \[ns\].
     time_ns: u64,
     came_ns: u64,
-    /// When it came first \[ns\].
+    /// Time of its first arrival \[ns\].
     seen_ns: u64,
     /// The sample was repeated, and is in doubt.
     doubted: bool,
@@ -46,7 +45,7 @@ impl HeldSample {
         Self { pose: pose.clone(), time_ns, came_ns: now_ns, seen_ns: now_ns, doubted: false }
     }
 
-    /// When the hand was last seen \[ns\].
+    /// Returns the time when the hand was last seen \[ns\].
     pub fn seen_ns(&self) -> u64 {
         self.seen_ns
     }
@@ -93,7 +92,7 @@ impl HeldSample {
     }
 }
 
-/// When the newest sample of a tracker was measured, believed or not \[ns\].
+/// Measurement time of a tracker's newest sample, believed or not \[ns\].
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Newest(Option<u64>);
 

@@ -27,13 +27,13 @@ pub struct Incident {
     pub displays: Vec<Ability>,
     /// State of the chain when this begins.
     pub state: Vec<u8>,
-    /// What entered after that.
+    /// Inputs that entered after that.
     pub inputs: Vec<Input>,
     /// Samples of trackers, as inputs call for them.
     pub samples: Vec<SampleIn>,
     /// Frames of the simulation: hand, step, bytes.
     pub frames: Vec<(u8, u64, Vec<u8>)>,
-    /// What the chain made of it.
+    /// Records that the chain made.
     pub records: Vec<TickRecord>,
 }
 
@@ -52,7 +52,7 @@ pub enum IncidentError {
         /// Version of the file.
         found: u32,
     },
-    /// What is in it does not fit together.
+    /// Parts of the file do not fit together.
     #[error("its {0} do not fit together")]
     Unfit(&'static str),
 }

@@ -12,12 +12,12 @@ const ROOM: usize = 64 << 20;
 /// Frames at most, however small.
 const COUNT: usize = 4096;
 
-/// What simulation and monitor share; the loop does not.
+/// Frames that simulation and monitor share; the loop does not.
 pub struct Frames(Mutex<Ring>);
 
 struct Ring {
     bytes: Vec<u8>,
-    /// Where the next may begin.
+    /// Offset at which the next may begin.
     next: usize,
     /// Oldest first.
     frames: VecDeque<Kept>,

@@ -16,7 +16,7 @@ const RECORDS: usize = 4096;
 /// Trackers and displays at most.
 const DEVICES: usize = 256;
 
-/// What became of it.
+/// Result of a replay.
 #[derive(Clone, Debug)]
 pub struct Replayed {
     /// Ticks made again.
@@ -34,9 +34,9 @@ pub struct Replayed {
 /// A record that came out otherwise.
 #[derive(Clone, Debug)]
 pub struct Difference {
-    /// As it was.
+    /// Record as it was.
     pub recorded: TickRecord,
-    /// As it is now, if there is any.
+    /// Record as it is now, if there is any.
     pub replayed: Option<TickRecord>,
 }
 

@@ -16,7 +16,7 @@ const STATES: usize = 6;
 /// Room for one \[B\]; that of a hand of 16 bones before one display takes some 100 KiB.
 pub(super) const STATE_ROOM: usize = 512 * 1024;
 
-/// What enters the chain, in the order in which it does.
+/// Inputs of the chain, in the order in which they enter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Input {
     /// The hands were put in place of others: nothing of before counts.
@@ -50,7 +50,7 @@ pub struct Tape {
     empty: Consumer<Vec<u8>>,
     /// Something found no room: nothing is kept until the next state.
     broken: bool,
-    /// When the next state is due \[ns\].
+    /// Time at which the next state is due \[ns\].
     state_ns: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What pauses forces, and how they come back while something is held on to.
+//! Pauses of forces, and how forces come back while something is held on to.
 
 use super::*;
 

@@ -36,8 +36,7 @@ fn times(rate: f64, end: f64, losses: bool, random: &mut Random) -> Vec<f64> {
     (0..(end * rate) as u32).filter(&mut seen).map(|k| f64::from(k) / rate).collect()
 }
 
-/// Where the farthest point of a bone of the hand is from where it was \[m\]: the ends of all
-/// bones.
+/// Returns the largest distance of any bone's end in the hand from where it was \[m\].
 fn farthest(rig: &Rig, home: &[Vec3]) -> f64 {
     ends(rig).iter().zip(home).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
@@ -95,8 +94,8 @@ fn a_glitch_of_one_sample_is_not_felt() {
     }
 }
 
-/// How far a reach of least jerk has come that is 3 m/s fast at most, over a way \[m\], from 1 s
-/// on.
+/// Returns how far a reach of least jerk has come that is 3 m/s fast at most, over a way \[m\],
+/// from 1 s on.
 fn reach(way: f64, t: f64) -> f64 {
     let u = ((t - 1.0) / (1.875 * way / 3.0)).clamp(0.0, 1.0);
     way * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)

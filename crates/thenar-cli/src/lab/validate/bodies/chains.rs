@@ -11,7 +11,7 @@ const UNIVERSAL_FINGER: SceneText = scene!("a05-universal-finger");
 const FINE: f64 = 1e-5;
 const COARSE: [f64; 2] = [2e-4, 1e-4];
 
-/// What a chain should be at one time.
+/// Expected values of a chain at one time.
 struct Instant<const N: usize> {
     time: f64,
     expected: [f64; N],

@@ -1,4 +1,4 @@
-//! What contact gives to one body it takes from the other.
+//! Balance of contact: what it gives to one body it takes from the other.
 
 use super::COLLISION;
 use crate::lab::validate::case::{Basis, CaseError, Check, Figure};

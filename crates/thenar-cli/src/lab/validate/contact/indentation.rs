@@ -10,10 +10,10 @@ use thenar_scene::format::{LatticeShape, SoftShape};
 const HERTZ_VALUES: [[f64; 3]; 3] =
     [[0.2, 0.021148, 1.2649], [0.5, 0.083595, 2.0], [1.0, 0.236441, 2.8284]];
 
-/// What a press gives.
+/// Result of a press.
 struct Press {
     force: f64,
-    /// What the bone feels of it.
+    /// Force on the bone.
     bone: f64,
     radius_mm: f64,
     setup: String,

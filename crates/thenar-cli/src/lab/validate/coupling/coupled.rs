@@ -47,7 +47,7 @@ fn dense(A: &BlockMatrix) -> Matrix {
     rows
 }
 
-/// What the springs add to the matrix of Eq. 9 for Δt = 1 s, with its sign turned: `∂F/∂q`.
+/// Contribution of the springs to the matrix of Eq. 9 for Δt = 1 s, with its sign turned: `∂F/∂q`.
 fn coupling_blocks(world: &World) -> Matrix {
     let (model, state) = (world.model(), world.state());
     let mut A = model.pattern.clone();
@@ -146,7 +146,8 @@ pub fn coupling(solver: Solver, skinning: &str) -> Result<Vec<Figure>, CaseError
     ])
 }
 
-/// What the flesh adds to the matrix of Eq. 9 for Δt = 1 s without mass, with its sign turned.
+/// Contribution of the flesh to the matrix of Eq. 9 for Δt = 1 s without mass, with its sign
+/// turned.
 fn flesh_blocks(world: &World) -> Matrix {
     let (model, state) = (world.model(), world.state());
     let mut flesh = model.flesh.clone();

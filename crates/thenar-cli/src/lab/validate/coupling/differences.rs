@@ -70,8 +70,8 @@ pub fn differences(
     (0..columns[0].len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect()
 }
 
-/// What a coordinate or a force on it is: place and force of a bone, turn and torque of a bone, or
-/// place and force of a node.
+/// Kind of a coordinate or of a force on it: place and force of a bone, turn and torque of a bone,
+/// or place and force of a node.
 fn kind(coordinate: usize, bones: usize) -> usize {
     match coordinate {
         q if q >= 6 * bones => 2,
@@ -103,7 +103,7 @@ pub fn mismatch(
     ratios.filter(|(off, _)| **off > 0.0).map(|(off, size)| off / size).fold(0.0, f64::max)
 }
 
-/// What the rows of a matrix are.
+/// Meaning of the rows of a matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rows {
     /// Forces on the coordinates.

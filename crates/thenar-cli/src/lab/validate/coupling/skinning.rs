@@ -73,7 +73,7 @@ fn moved_as_one(solver: Solver, skinning: &str) -> Result<Vec<Figure>, CaseError
     Ok(vec![Figure::new(what, setup, 1e-12, worst, Check::AtMost).rests_on(Basis::Construction)])
 }
 
-/// Where the weights are one half each the targets shrink by cos 45 degrees; flesh resists.
+/// Twist with weights of one half each: the targets shrink by cos 45 degrees; flesh resists.
 pub fn twist(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut run = solver.open(&TWIST, &[])?;
     let [target_0, flesh_0] = run.values(["target.mean", "flesh.mean"])?;
@@ -92,7 +92,7 @@ pub fn twist(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     ])
 }
 
-/// What D2 to D4 and D6 measure where rotations are blended about the joint: the radius is kept.
+/// Figures of D2 to D4 and D6 where rotations are blended about the joint: the radius is kept.
 pub fn by_joint(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut run = solver.open(&TWIST, &["soft.flesh.skinning=joint".into()])?;
     let [target_0, flesh_0] = run.values(["target.mean", "flesh.mean"])?;

@@ -6,7 +6,7 @@ use crate::lab::validate::run::{Run, Solver};
 use thenar_core::model::{FleshInStep1, SolverKind};
 use thenar_core::{Vec3, World};
 
-/// What one step of the two-step scheme does differently.
+/// Difference that one step of the two-step scheme makes.
 #[derive(Clone, Copy, Default)]
 struct Difference {
     /// Largest difference of a bone's velocity \[m/s\].
@@ -25,7 +25,7 @@ fn joint_gap(world: &World, j: u32) -> Vec3 {
     world.rigid_pose(joint.child).point(&joint.pose_CK.position) - on_parent
 }
 
-/// How a step is solved.
+/// Scheme that solves a step.
 struct Scheme {
     name: &'static str,
     kind: SolverKind,
@@ -80,7 +80,7 @@ struct Setting {
     name: &'static str,
     scene: &'static SceneText,
     stiffness: &'static [&'static str],
-    /// When the two are compared \[s\].
+    /// Time at which the two are compared \[s\].
     time: f64,
 }
 

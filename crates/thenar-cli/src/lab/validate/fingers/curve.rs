@@ -18,7 +18,7 @@ pub const START: f64 = 0.25e-3;
 const FORCE_MAX: f64 = 6.5;
 const DEPTH_MAX: f64 = 6e-3;
 
-/// What is measured at each step.
+/// Quantities that are measured at each step.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
     /// Depth from touch \[m\].

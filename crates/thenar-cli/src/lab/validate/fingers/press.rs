@@ -1,4 +1,4 @@
-//! What the curves of an index pad say.
+//! Curves of an index pad, and what they say.
 
 use super::curve::{force_and_area, line, open};
 use super::{HandVariant, KNUCKLE, OWN, PRESS, SMALL, pressed};

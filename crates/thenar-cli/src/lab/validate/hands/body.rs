@@ -1,4 +1,4 @@
-//! What a hand measures and weighs.
+//! Lengths and mass of a hand.
 
 use super::{HANDS, still};
 use crate::lab::validate::case::{Basis, CaseError, Check, Figure};

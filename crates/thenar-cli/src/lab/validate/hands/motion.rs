@@ -1,4 +1,4 @@
-//! How far joints go: the limits that the solver holds.
+//! Ranges of joints: the limits that the solver holds.
 
 use super::{HANDS, still};
 use crate::lab::validate::case::{Basis, CaseError, Check, Figure};

@@ -1,5 +1,5 @@
-//! What any elastic solid obeys: constant stress under an affine boundary, no force from a rigid
-//! motion, forces that turn with the body and balance.
+//! Laws that any elastic solid obeys: constant stress under an affine boundary, no force from a
+//! rigid motion, forces that turn with the body and balance.
 
 use super::{PATCH, RIGID_MOTION};
 use crate::lab::validate::case::{Basis, CaseError, Check, Figure};

@@ -1,4 +1,4 @@
-//! What a device is given, whatever is wanted of it.
+//! Forces that a device is given, whatever is wanted of it.
 
 use crate::lab::validate::case::{Basis, CaseError, Check, Figure};
 use crate::lab::validate::run::Solver;

@@ -9,9 +9,9 @@ use thenar_touch::virtual_user::{
     Device, Wall, forced_wall, passive_onset, predicted_onset, stability_onset,
 };
 
-/// How long a swing is watched \[s\]: near the onset it changes slowly.
+/// Time for which a swing is watched \[s\]: near the onset it changes slowly.
 const WATCH: f64 = 40.0;
-/// Where onsets are sought \[N/m\].
+/// Range in which onsets are sought \[N/m\].
 const RANGE: [f64; 2] = [100.0, 10_000.0];
 
 /// Colgate and Schenkel 1997, Gil et al. 2009; eigenvalues of the sampled loop.

@@ -37,7 +37,7 @@ pub struct Anderson {
     velocities: Vec<f64>,
     /// Scalar products of the changes.
     products: [[f64; KEPT]; KEPT],
-    /// How many are kept, and where the oldest is.
+    /// Number of sweeps kept, and place of the oldest.
     kept: usize,
     oldest: usize,
     least: f64,
@@ -91,7 +91,7 @@ impl Anderson {
         true
     }
 
-    /// Where the k-th oldest is.
+    /// Returns the place of the k-th oldest.
     fn place(&self, k: usize) -> usize {
         (self.oldest + k) % KEPT
     }

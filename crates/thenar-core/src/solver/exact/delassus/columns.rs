@@ -26,7 +26,7 @@ use std::ops::Range;
 /// Half solves of the handles, and their products.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    /// How many of them G holds already.
+    /// Number of them that G holds already.
     built: usize,
     /// Half solves Y_E of the handles.
     half: HalfSolves,

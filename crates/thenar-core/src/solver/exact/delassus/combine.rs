@@ -68,8 +68,8 @@ impl Combine {
     }
 }
 
-/// Where the columns of W from `first` on, up to those of member `end`, lie side by side in G, if
-/// they fill a batch and all do.
+/// Returns the first column of G for the columns of W from `first` on, up to those of member `end`,
+/// if these fill a batch and all lie side by side in G.
 fn own_columns(handles: &Handles, first: usize, end: usize) -> Option<usize> {
     let start = handles.own_column(first / 3)?;
     let full = 3 * end >= first + LANES;
@@ -77,8 +77,8 @@ fn own_columns(handles: &Handles, first: usize, end: usize) -> Option<usize> {
     (full && (first / 3..end).all(follows)).then_some(start + first % 3)
 }
 
-/// What the handles do under the impulses of member m, in the lanes of its columns, the first of
-/// the batch being `first`.
+/// Adds up the response of the handles to impulses of member m, in the lanes of its columns, the
+/// first of the batch being `first`.
 #[inline(always)]
 fn answer<S: Simd>(
     simd: S,

@@ -26,7 +26,7 @@ const LEADS_MAX: u32 = 16;
 /// sweeps leave less than 1e-9.
 const CREEPS: f64 = 0.9;
 
-/// What sweeps work on.
+/// Data that sweeps work on.
 pub(super) struct Creeping<'a> {
     pub members: &'a [u32],
     pub contacts: &'a mut ContactRows,
@@ -252,7 +252,7 @@ mod tests {
         assert!(plain > 200 && 4 * led < plain, "{plain} plain, {led} led on");
     }
 
-    /// Where sweeps come to rest by themselves, they are left alone.
+    /// Sweeps that come to rest unaided are left alone.
     #[test]
     fn what_does_not_creep_is_not_led_on() {
         let mut pair = Pair::new(1.3, [1.0; 2]);

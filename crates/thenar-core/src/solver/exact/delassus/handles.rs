@@ -1,4 +1,4 @@
-//! What contacts pull on: the columns that their rows are made of.
+//! Handles, the columns that the rows of contacts are made of.
 //!
 //! Contacts on one coarse tetrahedron pull on the same four nodes, so their rows are combinations
 //! of few columns, `J_c = B Eᵀ`, and with them `W = B (Eᵀ K⁻¹ E) Bᵀ`. A column of E is a *handle*:
@@ -28,7 +28,7 @@ pub enum Handle {
     Row(u32, u8),
 }
 
-/// How much of one handle is in the three rows of a contact.
+/// Share of one handle in the three rows of a contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
     /// The handle's column.
@@ -42,7 +42,7 @@ pub struct Term {
 pub struct Handles {
     list: Room<Handle>,
     terms: Room<Term>,
-    /// Where the terms of each member begin; one more at the end.
+    /// Index of the first term of each member; one more at the end.
     start: Room<usize>,
     /// First column of each node and each body.
     of_node: Vec<u32>,
@@ -85,7 +85,7 @@ impl Handles {
         &self.list
     }
 
-    /// What makes up the rows of member m.
+    /// Returns the terms that make up the rows of member m.
     pub fn terms(&self, m: usize) -> &[Term] {
         &self.terms[self.start[m]..self.start[m + 1]]
     }

@@ -1,4 +1,4 @@
-//! Which contacts are in W.
+//! Contacts in W.
 
 use super::nodes_of;
 use crate::math::Vec3;
@@ -32,7 +32,7 @@ impl Members {
         &self.list
     }
 
-    /// How many wait to join.
+    /// Returns the number that wait to join.
     pub fn waiting(&self) -> usize {
         self.joining.len()
     }

@@ -48,7 +48,7 @@ use work::WorkBudget;
 #[derive(Clone, Debug)]
 pub struct Delassus {
     members: Members,
-    /// How many of them W holds already.
+    /// Number of members that W holds already.
     built: usize,
     handles: Handles,
     columns: Columns,
@@ -80,7 +80,7 @@ pub struct Delassus {
     /// Sweeps of the step, and those that Newton's method has cost as much as.
     swept: u32,
     spent: u32,
-    /// What the step has cost, and may.
+    /// Work of the step, spent and allowed.
     work: WorkBudget,
     /// Attempts of the step by Newton's method that failed, and all that went by convex problems.
     failed: u32,
@@ -180,8 +180,8 @@ impl Delassus {
         }
     }
 
-    /// How far the present impulses are from the law at the velocities measured \[m/s\]; infinite
-    /// for the linearised cone, which is not asked.
+    /// Returns the deviation of the present impulses from the law at the velocities measured
+    /// \[m/s\]; infinite for the linearised cone, which is not asked.
     pub fn strays(&self, contacts: &ContactRows, cone: Cone) -> f64 {
         if cone == Cone::Linearised {
             return f64::INFINITY;
@@ -343,16 +343,16 @@ impl Delassus {
     }
 }
 
-/// What the true velocities say of the impulses.
+/// Assessment of the impulses by the true velocities.
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
-    /// What is to be done.
+    /// Next pass to make.
     pub next: NextPass,
     /// Largest violation of the contact law \[m/s\].
     pub violation: f64,
 }
 
-/// What is to be done next about contact.
+/// Next pass over contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextPass {
     /// Nothing is left to do.

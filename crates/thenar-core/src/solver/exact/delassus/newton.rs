@@ -46,9 +46,10 @@ const CLOSE: f64 = 0.1;
 const CALM: u32 = 2;
 /// Parts of a step, tried until one brings the law nearer.
 const PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
-/// Where none does, as at the border of a piece, so much is made all the same: the next step is on
-/// another piece. Attempts take turns: half a step crosses most borders, where grasps slide; a
-/// small part is safer where a body is jammed. With either alone steps of both kinds ran out.
+/// Parts of a step that are made all the same where none brings the law nearer, as at the border of
+/// a piece: the next step is on another piece. Attempts take turns: half a step crosses most
+/// borders, where grasps slide; a small part is safer where a body is jammed. With either alone
+/// steps of both kinds ran out.
 const ACROSS: [f64; 2] = [0.5, 0.015625];
 /// Every third attempt walks by convex problems (`convex`), as does one for which the sweeps' share
 /// is used up; so often in a step at most.
@@ -104,10 +105,10 @@ impl Newton {
 }
 
 impl Delassus {
-    /// How many sweeps cost as much as a step of Newton's method for the members that press now:
-    /// `2 (3 n)²` operations each, against `2/3 (3 n)³`; no fewer than mixing needs to show what it
-    /// can do, as sweeps stay nearer to the impulses of the step before. More than are ever made,
-    /// where no step is.
+    /// Returns the number of sweeps that cost as much as a step of Newton's method for the members
+    /// that press now: `2 (3 n)²` operations each, against `2/3 (3 n)³`; no fewer than mixing needs
+    /// to show what it can do, as sweeps stay nearer to the impulses of the step before. More than
+    /// are ever made, where no step is.
     pub(super) fn sweeps_worth_steps(&self, contacts: &ContactRows, cone: Cone) -> u32 {
         let rows = || self.members.list().iter().map(|&i| &contacts.rows[i as usize]);
         let pressing = rows().filter(|row| row.lambda.x > 0.0).count();
@@ -262,7 +263,8 @@ impl Delassus {
         swept
     }
 
-    /// How far the members are from the law: the sum of the squares of what its conditions leave.
+    /// Returns the distance of the members from the law: the sum of the squares of the residuals of
+    /// its conditions.
     fn merit(&self, contacts: &ContactRows) -> f64 {
         let members = self.members.list().iter().enumerate();
         members
@@ -438,7 +440,7 @@ mod tests {
         (rows.rows.remove(0), W)
     }
 
-    /// Where visits have found the impulse of the law, its conditions leave nothing.
+    /// Residuals of the law's conditions vanish at the impulse that visits have found.
     #[test]
     fn the_conditions_hold_where_the_law_does() {
         let mut random = Random::new(31);

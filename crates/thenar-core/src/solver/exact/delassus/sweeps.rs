@@ -16,7 +16,8 @@ use fearless_simd::{Simd, dispatch};
 
 /// The last sweeps are plain: what they leave is not thrown off by a combination.
 const LAST: u32 = 8;
-/// What mixing expects is believed when this many sweeps agree: the first ones know few directions.
+/// Number of sweeps that must agree before what mixing expects is believed: the first ones know few
+/// directions.
 const LOOKS: usize = 5;
 /// Steps of Newton's method cost at most this many times what the sweeps do that run out otherwise.
 /// With one time 11 of 162 steps of `bread-grasp` missed the tolerance, with four 1 does, and the
@@ -25,20 +26,20 @@ const LOOKS: usize = 5;
 const NEWTON_SHARE: u32 = 4;
 /// Times that Newton's method may fail before what mixing expects is believed all the same.
 const ATTEMPTS: u32 = 3;
-/// What all further sweeps change is taken to be this many times what mixing expects: twice the
-/// factor for bodies that move more than their contacts, as the history knows only some directions.
+/// Factor from what mixing expects to the change taken for all further sweeps: twice the factor for
+/// bodies that move more than their contacts, as the history knows only some directions.
 const EXPECTED_SAFETY: f64 = 2.0 * SAFETY;
 /// Velocities that W tells are known to this part of what a contact does to its own: W is of single
 /// precision. Contacts that share a load at will contradict each other by as much, and no sweep
 /// settles that; the next round goes on from the true velocities.
 const ROUND_OFF: f64 = f32::EPSILON as f64;
 
-/// What sweeps came to.
+/// Outcome of sweeps.
 #[derive(Clone, Copy, Debug)]
 pub struct Swept {
-    /// How many there were, and what they may be off \[m/s\].
+    /// Number of sweeps made, and their possible error \[m/s\].
     pub found: Convergence,
-    /// What was asked of sweeps was reached, or what W can tell; otherwise sweeps ran out.
+    /// True when sweeps reached the accuracy asked for, or that of W; false when they ran out.
     pub settled: bool,
 }
 

@@ -27,7 +27,7 @@ const HELD_MAX: usize = 64;
 pub struct Turns {
     /// Members of W.
     held: Room<u32>,
-    /// How many members there were when these were held; none where W is another one now.
+    /// Number of members when these were held; zero where W is another one now.
     prepared: usize,
     /// Marks the members that are held.
     is_held: Vec<bool>,
@@ -157,7 +157,7 @@ impl Turns {
         self.is_held[m]
     }
 
-    /// How a member answers while limits give way.
+    /// Returns the response of a member while limits give way.
     pub fn own(&self, m: usize) -> &Response {
         &self.own[m]
     }

@@ -1,5 +1,5 @@
-//! What a step may spend on the law of contact, counted in multiply-adds: a count is the same on
-//! every machine, a time is not.
+//! Budget of a step for the law of contact, counted in multiply-adds: a count is the same on every
+//! machine, a time is not.
 
 /// Multiply-adds done in a step, and how many it may do.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ impl WorkBudget {
         self.done = self.done.saturating_add(more);
     }
 
-    /// What may still be done.
+    /// Returns the work that may still be done.
     pub fn left(&self) -> u64 {
         self.most.saturating_sub(self.done)
     }
