@@ -74,7 +74,9 @@ impl Pair<'_> {
             Shape::Capsule { .. } => (0.0, &[]),
             Shape::Cylinder { .. } => (0.0, &[-1.0, 1.0]),
             Shape::Cone { radius, height } => (radius / radius.hypot(*height), &[-1.0]),
-            _ => return Straight::All,
+            Shape::Cuboid { .. } | Shape::HalfSpace | Shape::Mesh(_) | Shape::Compound(_) => {
+                return Straight::All;
+            }
         };
         if (along - side).abs() <= STANDING {
             return Straight::Along((axis_W + along * n_W).normalize());

@@ -85,7 +85,12 @@ pub(crate) fn convex_on_mesh(
         Shape::Cuboid { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => {
             SHALLOW * inradius(pair.a.shape)
         }
-        _ => f64::INFINITY,
+        Shape::Sphere { .. }
+        | Shape::Capsule { .. }
+        | Shape::Ellipsoid { .. }
+        | Shape::HalfSpace
+        | Shape::Mesh(_)
+        | Shape::Compound(_) => f64::INFINITY,
     };
     let deepest = faces(&pair, mesh, shallow, first, manifold);
     edges(&pair, mesh, shallow, manifold);
@@ -297,7 +302,7 @@ fn points_of(pair: &Pair, mesh: &MeshShape, manifold: &mut Manifold) {
             }
             offer(p, 0.0);
         }
-        _ => {}
+        Shape::HalfSpace | Shape::Mesh(_) | Shape::Compound(_) => {}
     }
 }
 

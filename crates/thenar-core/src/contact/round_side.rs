@@ -65,7 +65,12 @@ impl RoundSide {
                     capped: false,
                 })
             }
-            _ => None,
+            Shape::Sphere { .. }
+            | Shape::Cuboid { .. }
+            | Shape::Ellipsoid { .. }
+            | Shape::HalfSpace
+            | Shape::Mesh(_)
+            | Shape::Compound(_) => None,
         }
     }
 

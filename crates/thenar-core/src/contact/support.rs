@@ -66,7 +66,12 @@ pub(crate) fn rounding(shape: &Shape) -> f64 {
         Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,
         // Less than all, so that the core has no cusp.
         Shape::Ellipsoid { .. } => 0.5 * inradius(shape),
-        _ => 0.0,
+        Shape::Cuboid { .. }
+        | Shape::Cylinder { .. }
+        | Shape::Cone { .. }
+        | Shape::HalfSpace
+        | Shape::Mesh(_)
+        | Shape::Compound(_) => 0.0,
     }
 }
 
@@ -147,7 +152,11 @@ fn face(shape: &Shape, d: &Vec3) -> Face {
             let rim = out * *radius - Vec3::y() * (0.25 * height);
             Face::new([rim, Vec3::y() * (0.75 * height)], None)
         }
-        _ => Face::new([support(shape, d, 0.0)], None),
+        Shape::Sphere { .. }
+        | Shape::Ellipsoid { .. }
+        | Shape::HalfSpace
+        | Shape::Mesh(_)
+        | Shape::Compound(_) => Face::new([support(shape, d, 0.0)], None),
     }
 }
 
