@@ -30,7 +30,11 @@ pub struct Coupling {
 impl Default for Coupling {
     /// Springs in bone, as stiff as the hand's flesh asks.
     fn default() -> Self {
-        Self { uniform: false, stiffness: None, damping_time: 1e-3 }
+        Self {
+            uniform: false,
+            stiffness: None,
+            damping_time: thenar_core::model::Coupling::DAMPING_TIME,
+        }
     }
 }
 

@@ -36,6 +36,12 @@ pub struct Coupling {
     pub skinning: Skinning,
 }
 
+impl Coupling {
+    /// Usual damping time of the springs \[s\]: far shorter than motions of a hand, which keep their
+    /// speed.
+    pub const DAMPING_TIME: f64 = 1e-3;
+}
+
 /// Stiffness of the springs of a coupling, as it was given: one number for all, or a list.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Springs {

@@ -8,6 +8,7 @@ use crate::math::Vec3;
 use crate::text::{At, Cx, Defs, Fault, Node, Read, Value, table, words};
 use serde_json::json;
 use std::collections::BTreeMap;
+use thenar_core::model::Coupling;
 
 words! {
     /// Source of the motion of a figure's root.
@@ -131,7 +132,7 @@ table! {
         /// largest Young's modulus of the flesh and r the radius of the slimmest bone.
         coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
-        coupling_damping_time: f64 where SPRING = 1e-3;
+        coupling_damping_time: f64 where SPRING = Coupling::DAMPING_TIME;
         /// Placement of the flesh between two bones: "joint", rotations blended about the joint, or
         /// "lbs", linear blend skinning. Default "joint".
         skinning: SkinningWord = SkinningWord::Joint;

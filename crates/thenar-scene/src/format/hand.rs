@@ -7,6 +7,7 @@ use super::{
 use crate::math::Vec3;
 use crate::text::{At, table, words};
 use std::collections::BTreeMap;
+use thenar_core::model::Coupling;
 
 table! {
     /// Changes to the flesh of a hand; what is left out stays as the model has it.
@@ -172,7 +173,7 @@ table! {
         /// without `coupling` and `preset` it is that of "uniform".
         coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
-        coupling_damping_time: f64 where SPRING = 1e-3;
+        coupling_damping_time: f64 where SPRING = Coupling::DAMPING_TIME;
         /// Placement of the flesh between two bones: "lbs", linear blend skinning as in the paper,
         /// which narrows in a twist and thins in a bend; "joint", rotations blended about the
         /// joint, which does neither. Default "lbs".

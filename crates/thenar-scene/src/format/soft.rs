@@ -3,7 +3,7 @@
 use super::{Rotation, Selector, SkinTable, SkinningWord, TissueWord};
 use crate::math::Vec3;
 use crate::text::{At, Cx, Defs, Fault, Node, Read, choice, table, words};
-use thenar_core::model::TERMS_MAX;
+use thenar_core::model::{Coupling, TERMS_MAX};
 
 words! {
     /// Division of a lattice cell into tetrahedra.
@@ -281,7 +281,7 @@ table! {
         /// Nodes bound to rigid bodies.
         bind: Vec<Bind>;
         /// Damping time of these bonds: damper = time × spring [s]. Default 0.001.
-        bind_damping_time: f64 where SPRING = 1e-3;
+        bind_damping_time: f64 where SPRING = Coupling::DAMPING_TIME;
         /// Placement of a node that two bones carry: "lbs", linear blend skinning; "joint",
         /// rotations blended about the joint between them, which they must have. Default "lbs".
         skinning: SkinningWord = SkinningWord::Lbs;

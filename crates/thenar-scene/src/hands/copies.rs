@@ -7,7 +7,7 @@ use crate::format::{
 };
 use crate::math::Vec3;
 use crate::text::At;
-use thenar_core::model::Side;
+use thenar_core::model::{Coupling, Side};
 
 /// Gap left free between an added hand and others that point at it \[m\].
 const CLEAR: f64 = 0.05;
@@ -61,7 +61,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         rotation: None,
         coupling: None,
         coupling_stiffness: None,
-        coupling_damping_time: 1e-3,
+        coupling_damping_time: Coupling::DAMPING_TIME,
         skinning: SkinningWord::Lbs,
         pose_offsets: false,
         elements: None,
