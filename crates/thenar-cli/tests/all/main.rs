@@ -5,6 +5,7 @@
 mod cache;
 mod command_line;
 mod compare;
+mod documented;
 mod inputs;
 mod last_line;
 mod outputs;
