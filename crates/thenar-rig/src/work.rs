@@ -48,7 +48,7 @@ pub fn watched<T>(watch: impl FnMut(Progress) -> bool + 'static, work: impl FnOn
     work()
 }
 
-/// Says what comes next: work in proportion to its data, which is told by its name alone.
+/// Says what comes next: work in proportion to its data, reported by its name alone.
 ///
 /// # Errors
 /// [`RigError::Stopped`] when it is not to go on.

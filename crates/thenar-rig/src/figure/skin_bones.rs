@@ -22,7 +22,7 @@ const BONE_WIDTH: f64 = 0.4;
 /// A part of the skin is long when it is more than twice as long as wide and less than one and a
 /// half times as wide as thick, as thighs, forearms and phalanges are.
 const LONG: [f64; 2] = [2.0, 1.5];
-/// A box grows to its bounds in so many steps.
+/// Number of steps in which a box grows to its bounds.
 const GROWTH: f64 = 20.0;
 /// Vertices belong to the bone that has most of their weight.
 const OWN: f64 = 0.5;

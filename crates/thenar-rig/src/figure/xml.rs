@@ -39,7 +39,7 @@ pub(super) fn parse(text: &str) -> Result<Document<'_>, RigError> {
     Ok(document)
 }
 
-/// Errs on so many attributes or namespaces that comparing them would take long.
+/// Refuses more attributes or namespaces than can be compared quickly.
 fn check_attributes(text: &str) -> Result<(), RigError> {
     let many = |piece: &str| piece.bytes().filter(|&b| b == b'=').count() > ATTRIBUTES_MAX;
     let element = |piece: &&str| !piece.starts_with(['!', '?']);

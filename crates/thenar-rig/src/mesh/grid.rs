@@ -124,8 +124,8 @@ impl Laying<'_> {
         self.bvh.contains(&place(grid, at))
     }
 
-    /// Comparisons that the whole grid will take, from those at a few points; at least so many
-    /// where they are too many.
+    /// Comparisons that the whole grid will take, estimated from a few points; a lower bound where
+    /// it exceeds what is allowed.
     fn cost(&self, grid: &DistanceGrid) -> f64 {
         let points: f64 = grid.dims.iter().map(|&n| f64::from(n)).product();
         let each = points / f64::from(PROBES.pow(3));

@@ -296,7 +296,7 @@ fn the_largest_body_is_the_figure_and_the_rest_is_told() {
 }
 
 /// `b = 0.1 + a²` in the file, from its placement; coefficients that are left out are MuJoCo's.
-/// Other constraints are told.
+/// Other constraints are reported.
 #[test]
 fn joints_follow_others_by_constraints() {
     let finger = |name: &str, joint: &str| format!("<body name='{name}'>{joint}{BALL}</body>");

@@ -121,7 +121,7 @@ const DIGITS: [(Digit, &[&str]); 5] = [
 ];
 const MIDDLE: &[&str] = &["middle", "mid"];
 
-/// Words of bones of a finger; the thumb's are told apart where chains are read.
+/// Words of bones of a finger; the thumb's are distinguished where chains are read.
 const BONES: [(u8, &[&str]); 4] = [
     (0, &["metacarpal", "meta", "carpal", "cmc"]),
     (1, &["proximal", "mcp"]),
