@@ -24,6 +24,7 @@ fn swayed(timing: &TrackerTiming, hz: f64, size: f64, end: u32) -> [f64; 3] {
     // Normal, by the sum of twelve even numbers.
     let mut white = || timing.noise * 0.5 * (0..12).map(|_| random.symmetric()).sum::<f64>();
     rig.live.follow_at(80.0);
+    rig.live.feel_on(160.0);
     rig.live.doubt_glitches();
     let rate = TAU * hz;
     let mut way = VecDeque::new();
