@@ -11,7 +11,7 @@ const GROWS: f64 = 0.7;
 const FALLS: f64 = 2.8;
 
 /// Time constants with which the tracker's known noise follows more of it and less \[s\]: memory
-/// wavers from sample to sample, and a loose hand responds within a tenth of a second.
+/// wavers from sample to sample, and a loose hand responds to it within a tenth of a second.
 const NOISE: [f64; 2] = [0.1, 0.5];
 
 /// Growth begins at so much \[N/m\], which the rule allows a loose grip behind almost a second:

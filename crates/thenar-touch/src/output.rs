@@ -23,7 +23,7 @@ pub struct DigitOutput {
     pub pressure_max: f64,
     /// Speed at which the skin slips over what it touches \[m/s\].
     pub slip_speed: f64,
-    /// Closure at which contact began, 0 open to 1 closed; `None` while the finger is free.
+    /// Curl at which contact began, 0 open to 1 closed; `None` while the finger is free.
     pub curl_at_contact: Option<f64>,
 }
 

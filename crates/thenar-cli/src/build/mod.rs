@@ -167,7 +167,7 @@ enum CouplingArg {
 enum SpringsArg {
     /// A table.
     Fixed,
-    /// The rest that flesh leaves of the stiffness of people's joints.
+    /// The stiffness of people's joints, less that of the bent flesh.
     Rest,
 }
 

@@ -40,7 +40,7 @@ pub struct Args {
     /// Duration of each step [s].
     #[arg(long, value_name = "S", default_value_t = 1.5, value_parser = step)]
     seconds: f64,
-    /// Place of stops, as a fraction of your calibrated range: 0 open to 1 closed.
+    /// Position of stops, as a fraction of your calibrated range: 0 open to 1 closed.
     #[arg(long, value_name = "FRACTION", default_value_t = 0.5, value_parser = super::test::fraction)]
     stop_at: f64,
     /// Do not ask before the first finger.

@@ -89,7 +89,7 @@ fn side_of(tracker: &mut dyn Tracker) -> Side {
     Side::Right
 }
 
-/// Display, tracker, guard and hand that take part.
+/// Trial of a display: the tracker, the guard and the hand that take part.
 pub struct Trial<'a> {
     /// The display.
     pub display: &'a mut dyn ForceDisplay,

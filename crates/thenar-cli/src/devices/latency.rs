@@ -31,7 +31,7 @@ pub struct Args {
     /// Delay of the second tracker [s]; by default what its profile states.
     #[arg(long, value_name = "S", requires = "with", value_parser = delay)]
     reference_latency: Option<f64>,
-    /// Motion to compare; by default of the fingers, and of the wrist where they do not move.
+    /// Motion to compare; by default that of the fingers, or of the wrist where they do not move.
     #[arg(long, value_enum, requires = "with")]
     of: Option<ComparedWord>,
     /// Time for which both are watched while you move [s].

@@ -22,7 +22,7 @@ pub struct Args {
     /// axes.
     #[arg(long)]
     feel: bool,
-    /// Place of stops, as a fraction of your calibrated range: 0 open to 1 closed.
+    /// Position of stops, as a fraction of your calibrated range: 0 open to 1 closed.
     #[arg(long, requires = "feel", default_value_t = 0.5, value_parser = fraction)]
     stop_at: f64,
     /// Do not ask before `--feel`.

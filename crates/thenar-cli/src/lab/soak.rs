@@ -265,7 +265,7 @@ fn soak(args: &Args, h: f64, seed: u32, more: &[String]) -> Result<Extremes, Str
     Ok(extremes)
 }
 
-/// Takes note of energy and speed, now and then.
+/// Takes the largest energy and speed into the extremes; called now and then.
 fn look_around(session: &Session, extremes: &mut Extremes) {
     let world = session.world();
     extremes.energy = extremes.energy.max(world.energy(session.input()).total().abs());

@@ -1,4 +1,5 @@
-//! Manifest of a sweep, so that nobody continues with another one, and its outcome.
+//! Manifest of a sweep: what is swept, so that nobody continues it as another sweep, and what came
+//! of it.
 
 use super::plan::Plan;
 use super::record::Record;

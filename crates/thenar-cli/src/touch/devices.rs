@@ -39,7 +39,8 @@ pub struct DeviceOptions {
     /// Start no keepers: processes that let the wearer go when this program is stopped or killed.
     #[arg(long, requires = "devices")]
     pub no_keeper: bool,
-    /// Folder for the last seconds of signals when the safety limits stop the forces.
+    /// Folder to which the last seconds of signals are written when the safety limits stop the
+    /// forces.
     #[arg(long, value_name = "DIR", default_value = ".", requires = "devices")]
     pub trips: PathBuf,
 }

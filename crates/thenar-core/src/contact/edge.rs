@@ -8,10 +8,10 @@ use crate::math::Vec3;
 /// stopped is whipped to at most twice its speed (`2 v` less what the centre of mass loses).
 pub(super) const FOLLOWED: f64 = 2.0;
 
-/// Lean (sine, 45°) of a normal out of the cone of either edge that is allowed where edges meet on
-/// their ways: a body that is stopped at one edge turns the others level within the step, as a
-/// tilted plate that falls on another does. Edges that leave each other have normals that point the
-/// other way.
+/// Largest lean (sine, 45°) of a normal out of the cone of either edge where edges meet on their
+/// ways: a body that is stopped at one edge turns the others level within the step, as a tilted
+/// plate that falls on another does. Edges that leave each other have normals that point the other
+/// way.
 const TURNING: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A sharp edge: its ends, and the outward normals of the faces beside it (twice the same at a

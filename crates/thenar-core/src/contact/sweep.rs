@@ -72,9 +72,9 @@ impl<'a> MovingPiece<'a> {
         between.norm() + self.turn(other, h) + other.turn(self, h)
     }
 
-    /// Returns the place after the part `t` of a step of what touches at `p_W` after the part `s`:
-    /// a point of a body that is led turns with it; a body that moves by forces touches with ever
-    /// other points as it turns, and carries the place along.
+    /// Returns the place, after the part `t` of a step, of what touches at `p_W` after the part
+    /// `s`: a point of a body that is led turns with it; a body that moves by forces touches with
+    /// ever other points as it turns, and carries the place along.
     pub fn carried(&self, p_W: &Vec3, s: f64, t: f64, h: f64) -> Vec3 {
         let placed = self.side.placed;
         let center = |part: f64| placed.center_of_mass + part * h * placed.velocity;

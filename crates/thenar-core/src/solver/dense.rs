@@ -298,7 +298,7 @@ mod tests {
         (lu, matrix)
     }
 
-    /// Residual `A x - b` is round-off, for sizes that fill their panels and for others.
+    /// The residual `A x - b` is round-off, for sizes that fill their panels and for others.
     #[test]
     fn solves_systems_of_any_size() {
         let mut random = Random::new(41);

@@ -293,12 +293,12 @@ impl World {
         &self.desc
     }
 
-    /// Returns the constant part.
+    /// Returns the constant part of the world.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// Returns the changing part.
+    /// Returns the changing part of the world.
     pub fn state(&self) -> &State {
         &self.state
     }

@@ -41,8 +41,8 @@ impl World {
         Ok(())
     }
 
-    /// Returns the number of times that parameters were replaced, for users who keep a part of the
-    /// world to compare.
+    /// Returns the number of times that parameters were replaced: whoever keeps a part of the world
+    /// compares it.
     pub fn retuned(&self) -> u64 {
         self.retuned
     }

@@ -67,7 +67,7 @@ impl Door {
     }
 
     /// Output that leaves at `now_ns` for a hand that is to be shown `new`, or else keeps its last
-    /// goal; `None` when the device shows it already.
+    /// goal; `None` when the device shows that goal already, or is bound to the other hand.
     pub fn pass(
         &mut self,
         side: Side,

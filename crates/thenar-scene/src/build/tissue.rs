@@ -214,7 +214,7 @@ fn laid(
     Ok(Skin { soft, sheets, facets })
 }
 
-/// Returns a fault at the key of a layer.
+/// Returns a fault at the key that a layer comes from: its own, `tissue`, or the hand's name.
 pub fn layer_fault(hand: &Hand, layer: usize, what: &str) -> Fault {
     match (hand.layer.get(layer.wrapping_sub(1)), &hand.tissue) {
         (Some(layer), _) => layer.fault(what),

@@ -144,7 +144,7 @@ table! {
         /// a glove and the skin beside it: what they enclose together is the hand then. Default:
         /// the mesh that encloses most.
         mesh: Option<At<MeshNames>>;
-        /// Source of the values of `tets`, `detail`, `coupling` and `springs` that are not given,
+        /// Source of those values of `tets`, `detail`, `coupling` and `springs` that are not given,
         /// when the model is built from a mesh. Default "touch"; "paper" where the scene says what
         /// is about the paper's hand: `tets`, `coupling = "uniform"`, `coupling_stiffness` without
         /// `coupling`, or a `solver.kind` other than "exact".

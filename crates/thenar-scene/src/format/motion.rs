@@ -60,7 +60,7 @@ table! {
 }
 
 table! {
-    /// Closure of each finger, from 0 (open) to 1 (fist).
+    /// Curl of each finger, from 0 (open) to 1 (fist).
     pub struct CurlTable {
         /// The thumb.
         thumb: Option<f64> where FRACTION;
@@ -110,7 +110,7 @@ table! {
         wrist: Option<WristTable>;
         /// Shape of the whole hand.
         pose: Option<PoseWord>;
-        /// Closure of each finger.
+        /// Curl of each finger.
         curl: Option<CurlTable>;
         /// Single joints, by the name of the joint or of the bone it carries.
         joints: NamedJoints;

@@ -25,7 +25,7 @@ words! {
 }
 
 words! {
-    /// Means that keep joints within their range.
+    /// Mechanism that keeps joints within their range.
     pub enum JointLimitsWord {
         /// Bounds that no load passes.
         "rows" => Rows,

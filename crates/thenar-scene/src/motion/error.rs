@@ -38,7 +38,7 @@ pub enum MotionError {
         /// Cause in words.
         cause: String,
     },
-    /// Nothing is there to interpolate.
+    /// The motion has no keys to interpolate.
     #[error("a motion needs at least one key")]
     NoKeys,
 }

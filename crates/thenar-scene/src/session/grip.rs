@@ -342,7 +342,7 @@ impl Session {
     }
 }
 
-/// Form in which a session in which nothing grips is written.
+/// Form in which grips are written where nothing grips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IfNone {
     /// Nothing at all, as before hands gripped.

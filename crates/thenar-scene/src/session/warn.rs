@@ -29,8 +29,8 @@ impl Session {
         warnings
     }
 
-    /// Meanings of the scene beyond what it says, a sentence each: hands that are not the usual
-    /// ones because of the solver.
+    /// Remarks on what the scene means beyond what it says, a sentence each: hands that are not the
+    /// usual ones because of the solver.
     pub fn notes(&self) -> Vec<String> {
         let note = |hand: &Hand| {
             format!(

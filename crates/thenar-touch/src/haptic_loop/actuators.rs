@@ -48,7 +48,7 @@ enum Guards {
     Point(Bank<3>),
 }
 
-/// News of a device, for the guards' stale checks.
+/// Signs of life of a device, for the guards' stale checks.
 #[derive(Clone, Copy, Debug)]
 pub struct Heard {
     /// The device \[ns\].

@@ -335,7 +335,7 @@ impl LoopHand {
         bones.max_by(|a, b| felt.stiffness(*a).total_cmp(&felt.stiffness(*b)))
     }
 
-    /// Returns the closure of a finger, 0 to 1.
+    /// Returns the curl of a finger, 0 open to 1 closed.
     pub fn curl(&self, finger: usize) -> f64 {
         self.live.curl(finger).unwrap_or(0.0)
     }

@@ -240,7 +240,7 @@ impl<const N: usize> Guard<N> {
         Ok(dt)
     }
 
-    /// Returns the trust in the inputs, 0 to 1, and the cause if there is none.
+    /// Returns the trust in the inputs, 0 to 1, and the cause of a pause, if there is one.
     fn freshness(&mut self, now_ns: u64, signal: &Signal<N>) -> (f64, Option<Pause>) {
         let stamps = [signal.simulation_ns, signal.tracking_ns, signal.device_ns];
         let mut ages = [0.0; 3];

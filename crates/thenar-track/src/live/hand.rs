@@ -156,8 +156,8 @@ impl LiveHand {
         self.memory.way == PoseSource::Live && self.memory.now - self.memory.set_out < OPENING
     }
 
-    /// Returns the closure of finger `finger` (thumb 0), as the mean over its joints' ranges: 0
-    /// open, 1 closed; `None` for a finger without joints.
+    /// Returns the curl of finger `finger` (thumb 0), as the mean over its joints' ranges: 0 open,
+    /// 1 closed; `None` for a finger without joints.
     pub fn curl(&self, finger: usize) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0.0);
         for k in [0, 2, 3] {

@@ -18,7 +18,7 @@ const RATE_MAX: f64 = 2e-3;
 /// A difference this far below the line is no clock that runs off, but one that was put ahead, or a
 /// shorter way \[ns\].
 const STEP: i64 = 5_000_000;
-/// Uncertainty of a rate: after a silence the line is raised by this part of its length.
+/// Uncertainty of a rate: after a silence the line is raised by this part of the silence.
 const UNSURE: f64 = 2e-4;
 
 /// A difference of the clocks, and when it was seen by ours.

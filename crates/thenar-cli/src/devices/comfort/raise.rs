@@ -18,7 +18,7 @@ const AFTER_RAMP: f64 = 0.2;
 /// Between two ticks: some thousand a second.
 const TICK: Duration = Duration::from_micros(900);
 
-/// End of a raise.
+/// Way in which a raise ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ended {
     /// At the most that is allowed, after all of its last step.

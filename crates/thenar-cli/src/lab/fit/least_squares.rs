@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, DVector};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Result of a curve at some coordinates.
+/// Curve at some coordinates, if there is one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trial {
     /// Values of the column.

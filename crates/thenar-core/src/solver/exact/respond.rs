@@ -213,7 +213,7 @@ impl Exact {
     }
 }
 
-/// Counts of contact solved again, by cause.
+/// Numbers of times that contact was solved again, by cause.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rounds {
     corrections: u32,

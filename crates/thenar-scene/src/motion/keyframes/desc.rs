@@ -43,7 +43,7 @@ pub struct Key {
     /// Shape of the whole hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pose: Option<Preset>,
-    /// Closure of each finger, from 0 (open) to 1 (fist).
+    /// Curl of each finger, from 0 (open) to 1 (fist).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub curl: BTreeMap<Digit, f64>,
     /// Single joints, by the name of the joint or of the bone it carries.

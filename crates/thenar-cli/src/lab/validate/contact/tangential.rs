@@ -26,7 +26,8 @@ fn tangential_stiffness(radius: f64) -> f64 {
     8.0 * radius * shear / (2.0 - POISSON)
 }
 
-/// Place of a ball, the forces that press and hold it, and the part of its patch that sticks.
+/// Place of a ball, the forces with which it is pressed and held, and the part of its patch that
+/// sticks.
 struct Drag {
     way: f64,
     normal: f64,

@@ -440,7 +440,7 @@ mod tests {
         (rows.rows.remove(0), W)
     }
 
-    /// Residuals of the law's conditions vanish at the impulse that visits have found.
+    /// The residuals of the law's conditions vanish where visits have found its impulse.
     #[test]
     fn the_conditions_hold_where_the_law_does() {
         let mut random = Random::new(31);
