@@ -174,6 +174,11 @@ impl Detector {
         collector.finish()
     }
 
+    /// Returns the least thickness of a rigid body \[m\].
+    pub(crate) fn thinnest(&self) -> f64 {
+        self.thinnest
+    }
+
     /// Returns the distance that a rigid body's shape reaches from its centre of mass \[m\]; zero
     /// without a shape, and for a half-space.
     pub(crate) fn radius(&self, rigid: usize) -> f64 {

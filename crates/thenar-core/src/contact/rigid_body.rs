@@ -19,7 +19,8 @@ pub(crate) struct RigidBody {
     pub bounds_S: Aabb,
     /// Largest distance of the shape from the centre of mass \[m\]; zero for a half-space.
     pub radius: f64,
-    /// Least side of the boxes around its pieces \[m\]; unbounded for a half-space.
+    /// Least side of the boxes around its pieces, in their frames, of those that are not flat
+    /// \[m\]; unbounded for a half-space.
     pub thickness: f64,
     /// The parts of a compound, or the shape itself.
     pub pieces: Vec<Piece>,
@@ -64,6 +65,7 @@ impl RigidBody {
             thickness: pieces
                 .iter()
                 .map(|p| 2.0 * p.bounds.half().min())
+                .filter(|thickness| *thickness > 0.0)
                 .fold(f64::INFINITY, f64::min),
             sharp: Sharp::of(&shape, spacing),
             pose_BS: desc.pose_BS,
@@ -97,6 +99,7 @@ impl RigidBody {
             angular_velocity: at.angular_velocity_W,
             turn,
             swept_W,
+            end_W: swept_W,
         }
     }
 }
@@ -144,6 +147,8 @@ pub(crate) struct Placed {
     pub turn: f64,
     /// Box around the shape during the step.
     pub swept_W: Aabb,
+    /// The same, without the way that led here.
+    pub end_W: Aabb,
 }
 
 impl Placed {
@@ -155,6 +160,7 @@ impl Placed {
         angular_velocity: Vec3::new(0.0, 0.0, 0.0),
         turn: 0.0,
         swept_W: Aabb::EMPTY,
+        end_W: Aabb::EMPTY,
     };
 
     /// A point of the shape frame in the world.

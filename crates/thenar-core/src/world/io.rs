@@ -253,7 +253,8 @@ pub struct StepReport {
     /// Joint limits that bear load (0 where limits are springs).
     pub limits_active: u32,
     /// Deepest penetration at the end of the step, or of a part of it \[m\]: to first order, or as
-    /// found there where much has moved and overlaps have grown.
+    /// found there, and of thin rigid bodies on their way, where much has moved and overlaps have
+    /// grown.
     pub penetration_max: f64,
     /// Largest distance between the two sides of a joint \[m\].
     pub joint_gap_max: f64,

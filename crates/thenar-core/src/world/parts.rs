@@ -125,8 +125,11 @@ impl World {
         // No halving makes room for contacts: a crowd that is too large for a step is as much so
         // for its parts.
         let crowded = matches!(report.failure, Some(Failure::TooManyContacts { .. }));
-        // Two bodies come together by the travel of both.
-        if self.scratch.found.is_empty() || 2.0 * self.travel() <= unforeseen {
+        // Two bodies come together by the travel of both. What is thinner than that may have come
+        // through something that contact did not find.
+        let (past, thinnest) = (2.0 * self.travel(), self.detector.thinnest());
+        let was_near = !self.scratch.found.is_empty() || past > thinnest;
+        if !was_near || past <= unforeseen.min(0.5 * thinnest) {
             return crowded || !missed;
         }
         let depth = self.deepening(unforeseen);

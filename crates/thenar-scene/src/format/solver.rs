@@ -80,10 +80,10 @@ table! {
         contact_inner_passes: Option<u32> where ITERATIONS;
         /// Points nearer than this become constraints before they touch [m]. Default 0.001.
         contact_margin: Option<f64> where MARGIN;
-        /// A step that contact does not carry through (an overlap grows in it by half the margin,
-        /// or the exact solver is off by a hundred tolerances) is made in halves, and these again,
-        /// at most this number of times. Zero never divides a step, which bounds its cost.
-        /// Default 5.
+        /// A step that contact does not carry through (an overlap grows in it by half the margin or
+        /// half the thickness of a thin rigid body, or the exact solver is off by a hundred
+        /// tolerances) is made in halves, and these again, at most this number of times. Zero never
+        /// divides a step, which bounds its cost. Default 5.
         step_halvings_max: Option<u32> where HALVINGS;
     }
 }

@@ -24,9 +24,12 @@ impl Detector {
         let low = |i: u32| placed[i as usize].swept_W.min.x;
         order.sort_unstable_by(|&i, &j| low(i).total_cmp(&low(j)).then(i.cmp(&j)));
         let (mut allowance, mut skipped) = (Allowance::new(order.len()), 0);
+        // Those that were near each other only on their way.
+        let mut on_way = Allowance::new(order.len());
         for (k, &i) in order.iter().enumerate() {
             let end = placed[i as usize].swept_W.max.x + reach.margin;
             allowance.next_body();
+            on_way.next_body();
             for &j in order[k + 1..].iter().take_while(|&&j| low(j) <= end) {
                 let (i, j) = (i.min(j), i.max(j));
                 let (Some(a), Some(b)) = (&bodies[i as usize], &bodies[j as usize]) else {
@@ -62,11 +65,18 @@ impl Detector {
                 let Some(friction) = pairs.friction(ids[0], ids[1], a.friction, b.friction) else {
                     continue;
                 };
+                let ends = sides.map(|side| side.placed.end_W);
+                let at_end = since.is_none() || ends[0].inflate(margin).overlaps(&ends[1]);
+                if of_crowd && !at_end && on_way.margin(0.0).is_none() {
+                    continue;
+                }
                 out.count_pair();
                 if of_crowd {
-                    allowance.spend();
+                    if at_end { allowance.spend() } else { on_way.spend() }
                 }
-                two.find(sides.map(|side| side.placed), reach, friction, manifold, out);
+                if at_end {
+                    two.find(sides.map(|side| side.placed), reach, friction, manifold, out);
+                }
                 if let Some((since, Some(past))) = past {
                     two.measure_way(&since, past, manifold, out);
                 }
