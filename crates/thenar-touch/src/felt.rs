@@ -2,6 +2,7 @@
 //! tracker, these frames and this display allows in a loose grip.
 
 use crate::{DelayMeter, LoopProfile, MARGIN, Observation, TrackerTiming};
+use thenar_track::live::FeltSpring;
 
 /// Rate at which the felt stiffness grows when delays shrink, per second: it doubles within a
 /// second.
@@ -47,8 +48,8 @@ pub struct Felt {
     heard: bool,
     /// Stiffness that may be felt \[N/m\]; infinite before the first sample.
     most: Vec<f64>,
-    /// Stiffest that a bone would be felt if the tracker had no noise \[N/m\].
-    quiet: f64,
+    /// Spring of the bone that would be felt stiffest if the tracker had no noise.
+    spring: FeltSpring,
 }
 
 impl Felt {
@@ -56,7 +57,17 @@ impl Felt {
     pub fn new(bounds: FeltBounds, couplings: Vec<f64>) -> Self {
         let (meter, stated) = Default::default();
         let (added, most) = (vec![0.0; couplings.len()], vec![f64::INFINITY; couplings.len()]);
-        Self { bounds, couplings, meter, stated, noisy: 0.0, added, heard: false, most, quiet: 0.0 }
+        Self {
+            bounds,
+            couplings,
+            meter,
+            stated,
+            noisy: 0.0,
+            added,
+            heard: false,
+            most,
+            spring: FeltSpring::default(),
+        }
     }
 
     /// A sample measured at `time_ns` came at `now_ns`, from a tracker that states this of itself.
@@ -98,14 +109,19 @@ impl Felt {
         let delay = self.meter.delay(self.stated.as_ref());
         let observed = self.bounds.observation.adds(delay, self.noisy);
         let without_noise = self.bounds.observation.adds(delay, 0.0);
-        self.quiet = 0.0;
+        self.spring = FeltSpring::default();
         let (grows, falls) = ((GROWS * h).exp(), (-FALLS * h).exp());
         for bone in 0..self.couplings.len() {
             if !self.bounds.holds_only {
-                let quiet = self.bounds.profile.later(delay + added(bone, without_noise));
-                let rule = |grip| MARGIN * quiet.felt_stiffness_max(grip);
-                let bound = self.bounds.grip.map_or(f64::INFINITY, rule);
-                self.quiet = self.quiet.max(self.couplings[bone].min(bound));
+                let LoopProfile { period, delay: own, .. } = self.bounds.profile;
+                let spring = FeltSpring {
+                    coupling: self.couplings[bone],
+                    damping: self.bounds.grip.map_or(f64::INFINITY, |grip| MARGIN * grip),
+                    delay: 0.5 * period + own + delay + added(bone, without_noise),
+                };
+                if spring.quiet() > self.spring.quiet() {
+                    self.spring = spring;
+                }
             }
             self.added[bone] = added(bone, observed);
             let Some(grip) = self.bounds.grip else { continue };
@@ -122,9 +138,10 @@ impl Felt {
         self.heard |= self.stated.is_some() || self.meter != DelayMeter::default();
     }
 
-    /// Stiffest that a bone would be felt, blocked, if the tracker had no noise \[N/m\].
-    pub fn quiet_stiffness(&self) -> f64 {
-        self.quiet
+    /// Returns the spring of the bone that would be felt stiffest, blocked, if the tracker had no
+    /// noise.
+    pub fn spring(&self) -> FeltSpring {
+        self.spring
     }
 
     /// Part of a bone's force that is felt.

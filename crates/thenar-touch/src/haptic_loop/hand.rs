@@ -252,7 +252,7 @@ impl LoopHand {
             // The turn is that of the first bone.
             felt.step(h, noisy, |bone, observed| touch.added_delay(bone, observed));
         }
-        self.live.feel_on(self.felt.as_ref().map_or(0.0, Felt::quiet_stiffness));
+        self.live.feel_on(self.felt.as_ref().map(Felt::spring).unwrap_or_default());
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));
             if let (Some(pad), Some(reading), Some(felt)) = (pad, reading.as_mut(), &self.felt) {

@@ -5,7 +5,7 @@ use super::clock::Timing;
 use super::doubt::{Doubt, Verdict, Waiting};
 use super::follower::{Law, follow, follow_rotation};
 use super::memory::{CALIBRATION, Memory, PoseSource};
-use super::noise::Levers;
+use super::noise::{FeltSpring, Levers};
 use super::observer::MEMORY;
 use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
@@ -45,8 +45,8 @@ pub struct LiveHand {
     bones: BoneLengths,
     /// Natural frequency of the follower once it is there \[rad/s\].
     omega: f64,
-    /// Stiffness that is felt \[N/m\].
-    stiffness: f64,
+    /// Spring that it is felt on.
+    spring: FeltSpring,
     /// Samples that no motion explains wait for another that agrees; not in `memory`, which
     /// recordings keep.
     doubt: Option<Doubt>,
@@ -80,7 +80,7 @@ impl LiveHand {
             knuckles: Knuckles::of(hand),
             bones: BoneLengths::of(hand),
             omega: OMEGA[1],
-            stiffness: 0.0,
+            spring: FeltSpring::default(),
             doubt: None,
             memory: Memory::new(stance, joints),
             wanted: vec![Pose::identity(); bones],
@@ -97,11 +97,10 @@ impl LiveHand {
         self.omega = TAU * frequency;
     }
 
-    /// Leads what is felt, as stiff as this behind a tracker without noise \[N/m\]: noise is
-    /// remembered for as long as it would be felt on that. A hand that is only shown need not be
-    /// stiller than near.
-    pub fn feel_on(&mut self, stiffness: f64) {
-        self.stiffness = stiffness;
+    /// Leads what is felt on this spring: noise is remembered for as long as it would be felt on
+    /// that. A hand that is only shown need not be stiller than near.
+    pub fn feel_on(&mut self, spring: FeltSpring) {
+        self.spring = spring;
     }
 
     /// Waits with a sample that no motion explains until the next one agrees with it: a glitch of
@@ -394,7 +393,7 @@ impl LiveHand {
 
     /// Longest memory for noise of samples `gap` \[s\] apart \[s\].
     fn longest(&self, gap: Option<f64>) -> f64 {
-        let longest = |gap| self.levers.longest(&self.memory, gap, self.stiffness);
+        let longest = |gap| self.levers.longest(&self.memory, gap, &self.spring);
         gap.map_or(MEMORY[1], longest)
     }
 

@@ -38,6 +38,7 @@ pub use check::{LiveError, RADIUS_MAX, checked};
 pub use follower::{Law, follow};
 pub use hand::LiveHand;
 pub use memory::{LiveMemory, LiveMemoryRef};
+pub use noise::FeltSpring;
 
 use crate::ANGLES;
 use crate::Observation;

@@ -11,8 +11,9 @@
 //! Above 40 Hz they lead on up to `0.33 E (t/M)^2.5` at a memory of M, with t the shortest, up to
 //! 50 ms, where the follower is as loose as it becomes, and still less beyond.
 
+use super::OBSERVATION;
 use super::memory::Memory;
-use super::observer::MEMORY;
+use super::observer::{MEMORY, longer};
 use crate::AngleRange;
 use thenar_core::Vec3;
 use thenar_core::model::{Digit, HandModel};
@@ -35,6 +36,49 @@ const LED_ON: f64 = 0.74;
 const SHAKES: [f64; 2] = [0.33, 2.5];
 /// Part of the delay that the follower has at its loosest \[s\]: twice its time of 10 ms.
 const FOLLOWER: f64 = 0.02;
+
+/// Stiffness that a hand is felt with, by its couplings and by the delay that its grip bears.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct FeltSpring {
+    /// Stiffness of the couplings alone \[N/m\].
+    pub coupling: f64,
+    /// Damping that the delay may use up \[N s/m\]; infinite where no rule bounds what is felt.
+    pub damping: f64,
+    /// Delay behind a tracker without noise, from motion to force \[s\].
+    pub delay: f64,
+}
+
+impl FeltSpring {
+    /// Stiffness where noise is remembered no longer than motion, in N/m.
+    pub fn quiet(&self) -> f64 {
+        self.stiffness(MEMORY[0])
+    }
+
+    /// Stiffness where noise is remembered for `memory` \[s\], in N/m.
+    pub fn stiffness(&self, memory: f64) -> f64 {
+        let bound = self.damping / (self.delay + OBSERVATION.noisy * longer(memory));
+        // A delay that is no number bears nothing.
+        if bound.is_nan() { 0.0 } else { self.coupling.min(bound) }
+    }
+
+    /// Least memory \[s\] by which this noise \[m\] of samples `gap` \[s\] apart is felt as little
+    /// as wanted: a longer one is later, and felt softer.
+    fn memory(&self, noise: f64, gap: f64) -> f64 {
+        let called_for = |memory: f64| longest(noise, gap, self.stiffness(memory));
+        let [mut short, mut long] = [MEMORY[0], LONGEST];
+        if called_for(short) <= short {
+            return short;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (short + long);
+            if called_for(middle) > middle { short = middle } else { long = middle }
+        }
+        long
+    }
+}
+
+/// Halvings by which memory is found to a microsecond.
+const HALVINGS: usize = 19;
 
 /// Distances of the places where a hand is felt from what turns them \[m\].
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -83,11 +127,10 @@ impl Levers {
     }
 
     /// Longest memory that the noise of its samples, `gap` \[s\] apart, calls for where it is felt
-    /// on this stiffness \[N/m\], in seconds. Delay costs stiffness: beyond 50 ms only for what
-    /// would be felt.
-    pub fn longest(&self, memory: &Memory, gap: f64, stiffness: f64) -> f64 {
+    /// on this spring, in seconds. Delay costs stiffness: beyond 50 ms only for what would be felt.
+    pub fn longest(&self, memory: &Memory, gap: f64, spring: &FeltSpring) -> f64 {
         let noise = self.noise(memory, gap);
-        longest(noise, gap, FIRM).min(MEMORY[1]).max(longest(noise, gap, stiffness))
+        longest(noise, gap, FIRM).min(MEMORY[1]).max(spring.memory(noise, gap))
     }
 }
 
@@ -127,5 +170,29 @@ mod tests {
         assert_eq!(on_firm(0.0254), LONGEST);
         let soft = longest(8.0 * 2.3e-3, gap, FIRM / 8.0);
         assert!((soft - on_firm(2.3e-3)).abs() < 1e-12, "{soft} s");
+    }
+
+    /// A firmer grip is never felt softer, and what it is felt of noise stays within what is wanted
+    /// where memory is not at its end. Without the rule memory is that of the couplings.
+    #[test]
+    fn firmer_grips_are_felt_no_softer() {
+        let gap = 1.0 / 90.0;
+        for noise in [1e-4, 1.4e-3, 2.3e-3, 3.7e-3, 0.01] {
+            let mut before = 0.0;
+            for step in 0..200 {
+                let damping = 0.2 * 1.03_f64.powi(step);
+                let spring = FeltSpring { coupling: FIRM, damping, delay: 0.02 };
+                let memory = spring.memory(noise, gap);
+                let stiffness = spring.stiffness(memory);
+                assert!(stiffness > before * (1.0 - 1e-4), "{noise} m, {damping}: {stiffness}");
+                before = stiffness;
+                let called_for = longest(noise, gap, stiffness);
+                assert!(called_for <= memory + 1e-6 || memory > LONGEST - 1e-5, "{called_for}");
+            }
+            let unbounded = FeltSpring { coupling: FIRM, damping: f64::INFINITY, delay: 0.02 };
+            assert!((unbounded.memory(noise, gap) - longest(noise, gap, FIRM)).abs() < 1e-6);
+            let unknown = FeltSpring { delay: f64::NAN, ..unbounded };
+            assert_eq!(unknown.memory(noise, gap), MEMORY[0]);
+        }
     }
 }

@@ -89,9 +89,11 @@ impl<T: Linear> Scatter<T> {
         gains
     }
 
-    /// Mean square of the noise of samples: residuals are beyond it by what memory leads on.
+    /// Mean square of the noise of samples: residuals are beyond it by what memory leads on, and
+    /// by motion, which makes successive ones alike.
     fn noise_square(&self, gap: f64) -> f64 {
-        (1.0 - 0.5 * Gains::after(Some(gap), self.memory).place) * self.square.max(0.0)
+        let unlike = (self.square - self.alike.max(0.0)).max(0.0);
+        (1.0 - 0.5 * Gains::after(Some(gap), self.memory).place) * unlike
     }
 
     fn quiet(&self) -> f64 {
@@ -99,14 +101,18 @@ impl<T: Linear> Scatter<T> {
     }
 
     fn noisy(&self, least: f64) -> f64 {
-        let [least_memory, most] = MEMORY;
-        let longer = (self.memory.min(most) - least_memory) / (most - least_memory);
-        // What is remembered for M is late by half of it.
-        let still_longer = 0.5 * (self.memory - most).max(0.0) / super::OBSERVATION.noisy;
-        let longer = longer + still_longer;
         let square = self.square.max(0.0);
-        longer * square / (square + least * least)
+        longer(self.memory) * square / (square + least * least)
     }
+}
+
+/// Part of the delay of a memory of 50 ms that this one \[s\] has: 0 for the least, and more than 1
+/// beyond.
+pub fn longer(memory: f64) -> f64 {
+    let [least, most] = MEMORY;
+    // What is remembered for M is late by half of it.
+    let still_longer = 0.5 * (memory - most).max(0.0) / super::OBSERVATION.noisy;
+    (memory.min(most) - least) / (most - least) + still_longer
 }
 
 /// Quantity that can be added and scaled: a number or a vector.
