@@ -1,6 +1,6 @@
-//! Goal: every command that the documents show is one that the program takes. Method: all of them
-//! are given to it, with `--help` at the end: a name or an option that does not exist is refused
-//! before that.
+//! Goal: the commands that the documents write out are ones that the program takes. Method: all
+//! without placeholders are given to it, with `--help` at the end: a name or an option that does
+//! not exist is refused before that.
 
 use crate::stage::{Folder, err, out};
 use std::path::{Path, PathBuf};
