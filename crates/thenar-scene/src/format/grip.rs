@@ -27,10 +27,9 @@ table! {
         /// the thumb against all fingers; "hook": all fingers bent around a handle; "lateral": the
         /// thumb on the side of the index finger.
         kind: GripWord;
-        /// With which the two sides press against each other [N]: half of the sum of the normal
-        /// forces of the pads. Default: twice what keeps the object from slipping, m g / (2
-        /// friction), of a tripod 2.5 times, and more as load asks; of a hook m g / 2; without an
-        /// object 1.
+        /// Force of the two sides against each other [N]: half of the sum of the normal forces of
+        /// the pads. Default: twice what keeps the object from slipping, m g / (2 friction), then
+        /// as load asks; of a hook m g / 2; without an object 1.
         force: Option<f64> where GRIP_FORCE;
         /// Time at which the fingers set out [s].
         at: f64 where DURATION;

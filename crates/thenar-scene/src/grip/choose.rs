@@ -11,6 +11,7 @@
 use super::crowd::crowded;
 use super::kind::GripKind;
 use super::opposition::{Opposition, PADS_MAX, Span};
+use super::row::Ground;
 use super::size::{middle, pads_middle};
 use super::surface::{Anchor, Sample, clearance, nearest, sample, through};
 use super::trouble::Trouble;
@@ -28,11 +29,9 @@ const TRIED: usize = 16;
 const ROUNDS: usize = 30;
 /// What a line at right angles to the pads' own counts as \[m\].
 const TILT: f64 = 0.06;
-/// What a line that is neither level nor upright counts as \[m\].
-const SLOPE: f64 = 0.1;
 /// What a second normal at right angles to the line counts as \[m\].
 const SLANT: f64 = 0.06;
-/// A second normal farther off the line than 45° holds nothing \[cosine\].
+/// A normal farther off the line than 45° holds nothing \[cosine\].
 const SLANT_MIN: f64 = 0.7;
 /// Added for a pair outside the cone of friction \[m²\]: it is taken where there is no other.
 const SLIPS: f64 = 1.0;
@@ -62,7 +61,8 @@ const ASIDE: f64 = 0.5;
 /// A pad that ends farther than this from its place is out of reach \[m\]: what fingers that close
 /// do not make up.
 pub const REACH: f64 = 0.012;
-/// What the way counts that a bone before a pad lacks: it keeps the pad off its place.
+/// What the way counts that a bone before a pad lacks: half way from the knuckle to the pad it
+/// keeps the pad off its place by twice as much, of which the square counts.
 const CROWD: f64 = 4.0 * MISS;
 /// What such a bone lacks at least for the palm to go aside \[m\].
 const CROWD_MIN: f64 = 0.5e-3;
@@ -71,14 +71,6 @@ const ROOM: f64 = 4e-3;
 /// Bones before a pad come near to things wider than this \[m\], which is as thick as a finger:
 /// pads close on thinner ones before them.
 const THICK: f64 = 16e-3;
-/// Object wider than this part of what pads span: where one ends out of reach, that is why.
-const WIDE: f64 = 0.85;
-/// A finger beside another has a place of its own where the surface goes on: no farther off than
-/// this, as part of the distance of fingers, with a normal within 60° of the line's.
-const BESIDE: f64 = 0.6;
-
-/// Turns of the row of fingers that are tried \[degrees\]: along a thing that is too narrow across.
-const TURNS_DEG: [f64; 5] = [0.0, 35.0, -35.0, 70.0, -70.0];
 
 /// Where the pads of a grip go.
 #[derive(Clone, Copy, Debug)]
@@ -105,6 +97,8 @@ impl Choice {
 struct Pair {
     base: Sample,
     fingers: Sample,
+    /// From the base to the fingers.
+    way: Vec3,
     cost: f64,
 }
 
@@ -113,12 +107,14 @@ struct Pair {
 pub struct Scratch {
     samples: Vec<Sample>,
     best: Vec<Pair>,
+    /// What stands fast, and how far it is from where the hand grips \[m\], the nearest first.
+    near: Vec<(BodyId, f64)>,
 }
 
 impl Default for Scratch {
     fn default() -> Self {
         let samples = Vec::with_capacity(super::surface::SAMPLES_MAX);
-        Self { samples, best: Vec::with_capacity(TRIED + 1) }
+        Self { samples, best: Vec::with_capacity(TRIED + 1), near: Vec::new() }
     }
 }
 
@@ -131,9 +127,11 @@ pub fn choose(
     scratch: &mut Scratch,
 ) -> Choice {
     let opening = opposition.opening();
-    let Scratch { samples, best } = scratch;
-    sample(world, object, &pads_middle(palm, opposition), NEIGHBOURHOOD, samples);
+    let Scratch { samples, best, near } = scratch;
+    let around = pads_middle(palm, opposition);
+    sample(world, object, &around, NEIGHBOURHOOD, samples);
     let centre = middle(world, object);
+    fast_by_distance(world, object, &around, near);
     best.clear();
     let gravity = world.desc().gravity;
     let falls = match object {
@@ -144,27 +142,27 @@ pub fn choose(
     // Two pads hold what lies between them when the line from one to the other is within both cones
     // of friction.
     let least = 1.0 / (1.0 + friction * friction).sqrt();
-    // Two fingers beside each other do not bear alike on a slope; one turns with what it holds.
-    let aslant = if opposition.kind == GripKind::Tripod { SLOPE * SLOPE } else { 0.0 };
+    // Two fingers beside each other do not bear alike on a slope; one turns with what it holds. A
+    // line half way between level and upright counts as a pad that is off by half of what the hand
+    // opens to.
+    let aslant = if opposition.kind == GripKind::Tripod { opening * opening } else { 0.0 };
     let mut narrowest = f64::INFINITY;
     for base in samples.iter() {
-        let way = -base.normal;
-        let Some(fingers) = through(world, base, &way) else { continue };
+        let Some((way, fingers)) = opposite(world, base, least) else { continue };
         if fingers.normal.dot(&way) < SLANT_MIN {
             continue;
         }
         let width = (fingers.point - base.point).norm();
-        if [base, &fingers].iter().any(|place| is_covered(world, object, place)) {
+        if [base, &fingers].iter().any(|place| is_covered(world, near, &around, place)) {
             continue;
         }
         narrowest = narrowest.min(width);
         if width <= opening {
-            let cost = rank(&base.point, &fingers, &way, opposition.at(width), palm, &centre)
+            let cost = rank([base, &fingers], &way, opposition.at(width), palm, &centre)
                 + LEVER * lever(&(centre - base.point), &down, &way).powi(2)
                 + aslant * slope(&down, &way);
-            let slips = fingers.normal.dot(&way) < least;
-            let cost = if slips { cost + SLIPS } else { cost };
-            keep(best, Pair { base: *base, fingers, cost });
+            let cost = if faces([base, &fingers], &way) < least { cost + SLIPS } else { cost };
+            keep(best, Pair { base: *base, fingers, way, cost });
         }
     }
     let mut choice: Option<(f64, Choice)> = None;
@@ -199,13 +197,35 @@ pub fn each_other(opposition: &Opposition, palm: u32) -> Choice {
     choice
 }
 
+/// From a place inwards to where the body ends, and the direction of that way: straight in or,
+/// where that leaves at a slant that is not in the cone of friction, whose cosine is `least`, as
+/// far off one normal as off the other: sides that lean towards each other, as a cone's do, are
+/// held level.
+fn opposite(world: &World, base: &Sample, least: f64) -> Option<(Vec3, Sample)> {
+    let straight = -base.normal;
+    let there = through(world, base, &straight)?;
+    if there.normal.dot(&straight) < least
+        && let Some(between) = (straight + there.normal).try_normalize(1e-6)
+        && let Some(there) = through(world, base, &between)
+        && faces([base, &there], &between) > least
+    {
+        return Some((between, there));
+    }
+    Some((straight, there))
+}
+
+/// Cosine of the angle between a line and that of the normals at its ends which is farther off it.
+fn faces([base, fingers]: [&Sample; 2], way: &Vec3) -> f64 {
+    fingers.normal.dot(way).min(-base.normal.dot(way))
+}
+
 /// What a pair costs before anything is reached for \[m²\].
-fn rank(base: &Vec3, fingers: &Sample, way: &Vec3, span: &Span, palm: &Pose, centre: &Vec3) -> f64 {
-    let off = (base - palm.point(&span.base)).norm_squared()
+fn rank([base, fingers]: [&Sample; 2], way: &Vec3, span: &Span, palm: &Pose, centre: &Vec3) -> f64 {
+    let off = (base.point - palm.point(&span.base)).norm_squared()
         + (fingers.point - palm.point(&span.fingers)).norm_squared();
     let tilt = 1.0 - way.dot(&palm.vector(&span.axis));
-    let slant = 1.0 - way.dot(&fingers.normal);
-    let aside = (centre - base).cross(way).norm_squared();
+    let slant = 2.0 - way.dot(&fingers.normal) + way.dot(&base.normal);
+    let aside = (centre - base.point).cross(way).norm_squared();
     off + TILT * TILT * tilt + SLANT * SLANT * slant + ASIDE * aside
 }
 
@@ -215,14 +235,30 @@ fn lever(arm: &Vec3, down: &Vec3, way: &Vec3) -> f64 {
     (arm - way * arm.dot(way)).cross(down).norm().min(LEVER_MAX)
 }
 
-/// True where what stands fast leaves no room for skin: below what lies on a table.
-fn is_covered(world: &World, object: BodyId, place: &Sample) -> bool {
+/// Fills `near` with what stands fast but for the object, by its distance from a point, world.
+fn fast_by_distance(world: &World, object: BodyId, from: &Vec3, near: &mut Vec<(BodyId, f64)>) {
+    near.clear();
+    let rigids = world.desc().rigids.iter().zip(0..);
+    let fast = rigids
+        .filter(|(rigid, _)| rigid.motion == Motion::Prescribed && rigid.shape.is_some())
+        .map(|(_, i)| BodyId::Rigid(i))
+        .filter(|body| *body != object);
+    near.extend(fast.map(|body| (body, clearance(world, body, from))));
+    near.sort_by(|a, b| a.1.total_cmp(&b.1));
+}
+
+/// Bodies of a list by distance that can be within `way` of where distances are from: no distance
+/// changes by more than the way that is gone.
+fn within(near: &[(BodyId, f64)], way: f64) -> &[(BodyId, f64)] {
+    &near[..near.partition_point(|(_, distance)| *distance < way)]
+}
+
+/// True where what stands fast leaves no room for skin: below what lies on a table. Distances are
+/// from `from`.
+fn is_covered(world: &World, near: &[(BodyId, f64)], from: &Vec3, place: &Sample) -> bool {
     let skin = place.point + place.normal * ROOM;
-    let rigids = world.desc().rigids.iter().enumerate();
-    let fast =
-        rigids.filter(|(_, rigid)| rigid.motion == Motion::Prescribed && rigid.shape.is_some());
-    fast.map(|(i, _)| BodyId::Rigid(i as u32))
-        .any(|body| body != object && clearance(world, body, &skin) < 0.0)
+    let bodies = within(near, (skin - from).norm());
+    bodies.iter().any(|(body, _)| clearance(world, *body, &skin) < 0.0)
 }
 
 /// How far a line is from level and from upright, 1/4 at half way: what a round thing's weight
@@ -250,7 +286,12 @@ fn reach_for(
     palm: &Pose,
     pair: &Pair,
 ) -> (f64, Choice) {
-    let (mut least, mut choice, mut lacks_P) = reach_from(opposition, world, object, palm, pair);
+    let width = (pair.fingers.point - pair.base.point).norm();
+    let (middle, way) = (pair.fingers, pair.way);
+    let ground = Ground { opposition, world, object, middle, way };
+    let places = ground.row(&palm.vector(&opposition.at(width).across));
+    let reach = |palm: &Pose| reach_from(&ground, palm, pair, &places);
+    let (mut least, mut choice, mut lacks_P) = reach(palm);
     let mut shift_P = Vec3::zeros();
     let gravity = world.desc().gravity;
     let down_P = palm.inverse_vector(&gravity.try_normalize(1e-9).unwrap_or_else(Vec3::zeros));
@@ -264,7 +305,7 @@ fn reach_for(
         shift_P -= down_P * (shift_P.dot(&down_P) - DOWN_MAX).max(0.0);
         shift_P *= (SHIFT_MAX / shift_P.norm().max(1e-9)).min(1.0);
         let beside = Pose::new(palm.point(&shift_P), palm.rotation);
-        let (cost, mut tried, lacks) = reach_from(opposition, world, object, &beside, pair);
+        let (cost, mut tried, lacks) = reach(&beside);
         let cost = cost + SHIFT * shift_P.norm_squared();
         lacks_P = lacks;
         if cost < least {
@@ -275,33 +316,40 @@ fn reach_for(
     (least, choice)
 }
 
-/// Reaches for a pair from a place of the palm: cost \[m²\], choice, and in the palm's frame what
-/// pads lack in the mean and what bones before them lack at most \[m\].
+/// Reaches for a pair and the `places` of fingers there from a place of the palm: cost \[m²\],
+/// choice, and in the palm's frame what pads lack in the mean and what bones before them lack at
+/// most \[m\].
 fn reach_from(
-    opposition: &Opposition,
-    world: &World,
-    object: BodyId,
+    ground: &Ground,
     palm: &Pose,
     pair: &Pair,
+    places: &[Option<Sample>; PADS_MAX],
 ) -> (f64, Choice, [Vec3; 2]) {
+    let Ground { opposition, world, object, .. } = *ground;
     let width = (pair.fingers.point - pair.base.point).norm();
-    let span = opposition.at(width);
-    let places = side_by_side(opposition, world, object, pair, &palm.vector(&span.across));
-    let mut choice = Choice { angles: span.angles, ..Choice::none() };
+    let mut choice = Choice { angles: opposition.at(width).angles, ..Choice::none() };
     let mut cost = pair.cost;
-    let mut worst: Option<(usize, f64)> = None;
+    let mut misses = [0.0; PADS_MAX];
     let (mut lack_P, mut count, mut crowd_P) = (Vec3::zeros(), 0.0, Vec3::zeros());
     for pad in 0..opposition.pads() {
         let place = match pad {
             0 => Some(pair.base),
             _ => places[pad - 1],
         };
-        let Some(place) = place else { continue };
+        let Some(place) = place else {
+            cost += MISS * REACH * REACH;
+            continue;
+        };
         choice.anchors[pad] = Some(place.anchor);
         let Some(chain) = opposition.chain(pad) else { continue };
         let miss_P = approach(chain, &mut choice.angles[pad], palm, &place);
-        let miss = miss_P.norm();
-        cost += MISS * miss * miss;
+        misses[pad] = miss_P.norm();
+        let may_lack = opposition.kind == GripKind::Power && pad > 0;
+        if may_lack && misses[pad] > REACH {
+            cost += MISS * REACH * REACH;
+            continue;
+        }
+        cost += MISS * misses[pad] * misses[pad];
         (lack_P, count) = (lack_P + miss_P, count + 1.0);
         let links = pad.checked_sub(1).and_then(|finger| opposition.links.get(finger));
         if let Some(links) = links.filter(|_| width > THICK) {
@@ -309,13 +357,13 @@ fn reach_from(
             cost += CROWD * way_P.norm_squared();
             crowd_P = if way_P.norm() > crowd_P.norm() { way_P } else { crowd_P };
         }
-        if worst.is_none_or(|(_, most)| miss > most) {
-            worst = Some((pad, miss));
-        }
     }
-    choice.trouble = worst.filter(|(_, miss)| *miss > REACH).map(|(pad, miss)| {
-        let (pad, opening) = (pad as u8, opposition.opening());
-        match width > WIDE * opening {
+    leave_out(opposition.kind, &misses, &mut choice.anchors);
+    let farthest = (0..opposition.pads()).filter(|pad| choice.anchors[*pad].is_some());
+    let worst = farthest.max_by(|a, b| misses[*a].total_cmp(&misses[*b]));
+    choice.trouble = worst.filter(|pad| misses[*pad] > REACH).map(|pad| {
+        let (miss, pad, opening) = (misses[pad], pad as u8, opposition.opening());
+        match width > opening - 2.0 * REACH {
             true => Trouble::Wide { width, opening, pad, miss },
             false => Trouble::OutOfReach { pad, miss },
         }
@@ -323,60 +371,15 @@ fn reach_from(
     (cost, choice, [lack_P / f64::max(count, 1.0), crowd_P])
 }
 
-/// Places of the fingers beside each other, as the hand has them or turned about the line, so that
-/// most find one.
-fn side_by_side(
-    opposition: &Opposition,
-    world: &World,
-    object: BodyId,
-    pair: &Pair,
-    across_W: &Vec3,
-) -> [Option<Sample>; PADS_MAX] {
-    let way = -pair.base.normal;
-    let across = (across_W - way * way.dot(across_W)).try_normalize(1e-9);
-    let across = across.unwrap_or_else(|| way.cross(&pair.fingers.normal.yzx()));
-    let count = opposition.pads() - 1;
-    let mut most: (usize, [Option<Sample>; PADS_MAX]) = (0, [None; PADS_MAX]);
-    for turn_deg in TURNS_DEG {
-        let (sin, cos) = f64::to_radians(turn_deg).sin_cos();
-        let across = across * cos + way.cross(&across) * sin;
-        let mut places = [None; PADS_MAX];
-        for (i, place) in places.iter_mut().enumerate().take(count) {
-            *place = beside(opposition, world, object, pair, &across, i);
-        }
-        let found = places.iter().flatten().count();
-        if found > most.0 {
-            most = (found, places);
-        }
-        if most.0 == count {
-            break;
+/// Fingers of a power grip that do not get to their places take no part where two others do.
+fn leave_out(kind: GripKind, misses: &[f64; PADS_MAX], anchors: &mut [Option<Anchor>; PADS_MAX]) {
+    let there = |pad: usize| anchors[pad].is_some() && misses[pad] <= REACH;
+    let enough = (1..PADS_MAX).filter(|pad| there(*pad)).count() >= 2;
+    if kind == GripKind::Power && enough {
+        for pad in (1..PADS_MAX).filter(|pad| misses[*pad] > REACH) {
+            anchors[pad] = None;
         }
     }
-    // On the narrowest things one finger presses.
-    if most.0 == 0 {
-        most.1[0] = Some(pair.fingers);
-    }
-    most.1
-}
-
-/// Place of finger `i` beside the fingers' middle; `None` where the surface does not go on.
-fn beside(
-    opposition: &Opposition,
-    world: &World,
-    object: BodyId,
-    pair: &Pair,
-    across: &Vec3,
-    i: usize,
-) -> Option<Sample> {
-    let offset = opposition.offset(i);
-    if offset == 0.0 {
-        return Some(pair.fingers);
-    }
-    let wanted = pair.fingers.point + across * offset;
-    let found = nearest(world, object, &wanted)?;
-    let way = -pair.base.normal;
-    let near = (found.point - wanted).norm() < BESIDE * opposition.spacing;
-    (near && found.normal.dot(&way) > 0.5).then_some(found)
 }
 
 /// Brings a chain to a place; what it lacks at its end, in the palm's frame \[m\].
@@ -422,4 +425,80 @@ fn stand_in(
         false => Trouble::NoOpposite { opening },
     });
     choice
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::Session;
+    use std::path::Path;
+
+    /// Of a thousand things that stand fast, one each 0.1 m farther off, those within 0.25 m of
+    /// where distances are from are looked at: the way to a place bounds how much nearer to it they
+    /// can be.
+    #[test]
+    fn only_what_is_near_is_looked_at() {
+        let near: Vec<_> = (0..1000).map(|i| (BodyId::Rigid(i), 0.1 * f64::from(i))).collect();
+        assert_eq!(within(&near, 0.25).len(), 3);
+        assert!(within(&near, -0.1).is_empty());
+    }
+
+    /// Weight turns what two fingers hold askew the most where the line to the thumb is half way
+    /// between level and upright.
+    #[test]
+    fn a_slope_is_steepest_half_way() {
+        let down = -Vec3::y();
+        let at = |deg: f64| {
+            slope(&down, &Vec3::new(deg.to_radians().cos(), -deg.to_radians().sin(), 0.0))
+        };
+        assert!(at(0.0) < 1e-12 && at(90.0) < 1e-12 && (at(45.0) - 0.25).abs() < 1e-12);
+        assert!((at(30.0) - 3.0 / 16.0).abs() < 1e-12);
+    }
+
+    /// Fingers of a power grip that miss are left out where two others get there, and no finger of
+    /// a tripod.
+    #[test]
+    fn fingers_that_miss_are_left_out_of_a_power_grip() {
+        let place = Some(Anchor::Rigid { body: 0, point_B: Vec3::zeros(), normal_B: Vec3::y() });
+        let left = |kind: GripKind, misses: [f64; PADS_MAX]| {
+            let mut anchors = [place; PADS_MAX];
+            leave_out(kind, &misses, &mut anchors);
+            anchors.map(|anchor| anchor.is_some())
+        };
+        let far = 2.0 * REACH;
+        let two = [0.0, far, 0.0, 0.0, far];
+        assert_eq!(left(GripKind::Power, two), [true, false, true, true, false]);
+        assert_eq!(left(GripKind::Tripod, two), [true; PADS_MAX]);
+        assert_eq!(left(GripKind::Power, [0.0, far, 0.0, far, far]), [true; PADS_MAX]);
+    }
+
+    /// Sides of a cone lean towards each other by twice `atan r/h`: the line is level where both
+    /// are in the cone of friction, and straight in where the surface behind is so, or where no
+    /// line is.
+    #[test]
+    fn a_line_through_a_cone_is_level() {
+        let way = |radius: f64, friction: f64| {
+            let text = format!(
+                "version = 1\n[[rigid]]\nname = \"cone\"\nmotion = \"fixed\"\n\
+                 shape = {{ kind = \"cone\", radius = {radius}, height = 0.05 }}\n"
+            );
+            let session = Session::from_text(&text, Path::new("cone.toml"), &[])
+                .unwrap_or_else(|error| panic!("{error}"));
+            let world = session.world();
+            let beside = Vec3::new(0.35 * radius, 0.02, 0.0);
+            let base = nearest(world, BodyId::Rigid(0), &beside).expect("a surface");
+            let least = 1.0 / (1.0 + friction * friction).sqrt();
+            let (way, there) = opposite(world, &base, least).expect("a way");
+            (way.y, faces([&base, &there], &way))
+        };
+        let (down, faces) = way(0.02, 0.8);
+        assert!(down.abs() < 1e-3 && (faces - 0.4f64.atan().cos()).abs() < 1e-3, "{down} {faces}");
+        // Straight in: down by as much as the side leans, and out of it at twice that.
+        let lean = 0.4f64.atan();
+        let (down, faces) = way(0.02, 1.5);
+        assert!((down + lean.sin()).abs() < 1e-3, "{down}");
+        assert!((faces - (2.0 * lean).cos()).abs() < 1e-3, "{faces}");
+        let (down, _) = way(0.05, 0.8);
+        assert!(down < -0.5, "{down}");
+    }
 }

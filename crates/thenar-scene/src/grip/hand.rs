@@ -6,65 +6,39 @@
 //!  before the surface  each touches          u by the force felt     script
 //! ```
 //!
-//! Pads follow places of the object until they touch, and the palm from then on: an object that is
-//! held moves with the hand and is held by the drives' springs, not followed where it slips. The
-//! depth `u` of all pads together answers to force, and a finger that bears next to nothing goes
-//! farther in: one loop for each pad would let an object wander that its weight presses on one
-//! side.
+//! [`super::reaching`] has the first two, [`super::holding`] the third.
 
-use super::choose::{Choice, Scratch, choose, each_other};
-use super::felt::{Against, felt, friction_used};
-use super::hook::Around;
+use super::choose::Scratch;
+use super::felt::{Against, Use, carried, felt, foreseen, friction_used, side};
 use super::kind::GripKind;
-use super::memory::{GripMemory, PadMemory, Phase, Reflex};
-use super::opposition::{Base, Opposition};
+use super::memory::{GripMemory, Phase};
+use super::opposition::Opposition;
 use super::order::Order;
-use super::size::friction;
-use super::squeeze::{FURTHER_MAX, further, least_share, push, slope, wanted};
+use super::size::{MARGIN, mass};
+use super::squeeze::wanted;
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use crate::live::{Law, follow};
 use crate::motion::Articulation;
 use std::f64::consts::TAU;
 use std::ops::Range;
-use thenar_core::model::Digit;
+use thenar_core::model::{BodyId, Digit};
 use thenar_core::world::Target;
 use thenar_core::{Pose, Vec3, World};
-use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
+use thenar_track::reach::FREEDOMS_MAX;
 
-/// How far before the surface pads gather \[m\]: they clear what they go around, and are there a
-/// fifth of a second later.
-const BEFORE: f64 = 12e-3;
-/// Skin of a hook this near to the handle is on it \[m\]: contacts begin there.
-const TOUCHES: f64 = 1e-3;
-/// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with
-/// `v √(k m)` = 0.1 N.
-const CLOSING: f64 = 0.04;
-/// How far behind the surface they look for it \[m\].
-const BEHIND: f64 = 8e-3;
-/// How fast targets make up for what pads lack \[1/s\], and by how much at most \[m\].
-const LEAD: (f64, f64) = (8.0, 0.015);
-/// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]:
-/// a reach takes half a second.
-const FOLLOW: (f64, f64) = (4.0, 4.0);
 /// Frequency \[Hz\] and fastest rate \[m/s\] of a palm that goes aside: half as fast as joints.
 const ASIDE: (f64, f64) = (2.0, 0.15);
-/// A palm this near has arrived \[m\].
-const THERE: f64 = 2e-3;
-/// Pads close when all targets are this near to where they make for \[rad\].
-const GATHERED: f64 = 0.05;
-/// Longest reach, and longest wait of a pad that touches for the others \[s\].
-const PATIENCE: [f64; 2] = [1.0, 0.8];
-/// Part of the force at which a pad is said to touch, and the most of it \[N\].
-const TOUCH: (f64, f64) = (0.05, 0.1);
 /// Time over which the felt force is smoothed \[s\].
 const SMOOTHING: f64 = 0.01;
 /// Time in which fingers open \[s\].
 const OPENING: f64 = 0.5;
 /// Time over which the use of friction is smoothed \[s\]: some steps at the usual ones.
 const LOAD_SMOOTHING: f64 = 0.03;
-/// Rounds of inverse kinematics in a step.
-const ROUNDS: usize = 3;
+
+/// An object is carried where pads bear this part of its weight: the rest is what shakes as it is
+/// lifted.
+const CARRIED: f64 = 0.9;
 
 /// A hand that grips.
 #[derive(Clone, Debug)]
@@ -75,10 +49,10 @@ pub struct GripHand {
     /// Grips of the scene, by time.
     orders: Vec<Order>,
     pub(super) memory: GripMemory,
-    scratch: Scratch,
+    pub(super) scratch: Scratch,
     poses: Vec<Pose>,
-    script: Vec<[f64; 2]>,
-    script_rates: Vec<[f64; 2]>,
+    pub(super) script: Vec<[f64; 2]>,
+    pub(super) script_rates: Vec<[f64; 2]>,
 }
 
 /// What a grip does, for who asks.
@@ -232,15 +206,30 @@ impl GripHand {
         let against = order.object().map_or(Against::OtherSide(order.kind), Against::Object);
         self.memory.felt = felt(world, hand, against);
         let Some(opposition) = self.oppositions[order.kind as usize].as_deref() else { return };
-        let used = |pads: Range<usize>| {
+        let side = |pads: Range<usize>| {
             let mut own = [false; 6];
             let chains = pads.filter_map(|pad| opposition.chain(pad));
             chains.for_each(|chain| own[part(chain.digit)] = true);
-            friction_used(world, hand, against, own)
+            side(world, hand, against, own)
         };
-        let used = used(0..1).max(used(1..opposition.pads()));
-        let blend = 1.0 - (-world.time_step() / LOAD_SMOOTHING).exp();
-        self.memory.reflex.used += blend * (used - self.memory.reflex.used);
+        let sides = [side(0..1), side(1..opposition.pads())];
+        let down = world.desc().gravity.try_normalize(1e-9);
+        let used = friction_used(&sides, &down.unwrap_or_else(Vec3::zeros));
+        let weight = |object: BodyId| mass(world.desc(), object) * world.desc().gravity.norm();
+        let carried = order
+            .object()
+            .zip(down)
+            .is_some_and(|(object, down)| carried(&sides, &down) > CARRIED * weight(object));
+        let h = world.time_step();
+        let reflex = &mut self.memory.reflex;
+        reflex.used += (1.0 - (-h / LOAD_SMOOTHING).exp()) * (used.load - reflex.used);
+        if order.adapts && self.memory.phase == Phase::Holding && reflex.gone == 0.0 {
+            let falls = down.filter(|_| order.object().is_some());
+            let ahead = falls.map_or(0.0, |down| foreseen(&sides, &down));
+            let used = Use { load: reflex.used, slant: used.slant.max(ahead), carried };
+            let foreseen = [order.force, MARGIN];
+            reflex.wanted = wanted(reflex.wanted, foreseen, self.memory.force, used, h);
+        }
     }
 
     /// Forgets that the palm is aside: a leader has taken it over.
@@ -338,245 +327,6 @@ impl GripHand {
         }
     }
 
-    /// Chooses places for the pads.
-    fn set_out(
-        &mut self,
-        opposition: &Opposition,
-        world: &World,
-        hand: &BuiltHand,
-        order: &Order,
-        palm: &Pose,
-    ) {
-        let choice = self.choice(opposition, world, hand, order, palm);
-        let bends = order.kind == GripKind::Hook && order.object().is_some();
-        let Self { memory, script, script_rates, .. } = self;
-        for (pad, kept) in memory.pads.iter_mut().enumerate() {
-            let (angles, rates) = match opposition.chain(pad) {
-                Some(chain) => (chain.read(script), chain.read(script_rates)),
-                None => Default::default(),
-            };
-            *kept = PadMemory {
-                anchor: choice.anchors[pad],
-                goal: if bends { angles } else { choice.angles[pad] },
-                angles,
-                rates,
-                ..PadMemory::default()
-            };
-        }
-        (memory.phase, memory.since, memory.depth) = (Phase::Reaching, 0.0, 0.0);
-        (memory.felt, memory.force, memory.trouble) = ([0.0; 6], 0.0, choice.trouble);
-        // The palm may still be aside for the grip before.
-        let shift_P = memory.reflex.shift_P;
-        let aside_P = shift_P[0] + choice.shift_P;
-        memory.reflex = Reflex { wanted: order.force, aside_P, shift_P, ..Reflex::default() };
-    }
-
-    /// Where pads are to go, and the palm for that.
-    fn choice(
-        &mut self,
-        opposition: &Opposition,
-        world: &World,
-        hand: &BuiltHand,
-        order: &Order,
-        palm: &Pose,
-    ) -> Choice {
-        let Some(object) = order.object() else {
-            return each_other(opposition, hand.handle.bones.start);
-        };
-        let friction = hand.flesh().map(|flesh| friction(world.desc(), flesh, object));
-        let thing = (object, friction.unwrap_or(1.0));
-        let choice = choose(opposition, world, thing, palm, &mut self.scratch);
-        if order.kind != GripKind::Hook {
-            return choice;
-        }
-        let around = Around { opposition, model: &hand.model, world, object, palm: *palm };
-        around.choose(choice)
-    }
-
-    /// Pads go to their places, then in until they touch; fingers of a hook bend around what they
-    /// are to carry.
-    fn reach(
-        &mut self,
-        opposition: &Opposition,
-        world: &World,
-        hand: &BuiltHand,
-        palm: &Pose,
-        h: f64,
-    ) {
-        let object = self.memory.order.and_then(|order| order.object());
-        if let Some(object) = object.filter(|_| opposition.kind == GripKind::Hook) {
-            let around = Around { opposition, model: &hand.model, world, object, palm: *palm };
-            return self.bend_around(&around, hand, h);
-        }
-        let closing = self.memory.phase == Phase::Closing;
-        let before = match closing {
-            true => (BEFORE - CLOSING * self.memory.since).max(-BEHIND),
-            false => BEFORE,
-        };
-        let wanted = self.memory.order.map_or(0.0, |order| order.force);
-        let touch = (TOUCH.0 * wanted).min(TOUCH.1);
-        let Reflex { aside_P, shift_P, .. } = &self.memory.reflex;
-        let (mut gathered, mut touching) = ((aside_P - shift_P[0]).norm() < THERE, true);
-        for pad in 0..opposition.pads() {
-            let kept = &mut self.memory.pads[pad];
-            let Some(anchor) = kept.anchor else { continue };
-            let (point, normal) = anchor.now(world);
-            let normal_P = palm.inverse_vector(&normal);
-            let place_P = palm.inverse_point(&point);
-            let Some(chain) = opposition.chain(pad) else {
-                // The palm itself waits where it is.
-                (kept.touched, kept.point_P, kept.normal_P) = (true, place_P, normal_P);
-                continue;
-            };
-            let felt = self.memory.felt[part(chain.digit)];
-            if kept.touched {
-                kept.rates = [0.0; FREEDOMS_MAX];
-                continue;
-            }
-            let bone = hand.handle.bones.start + chain.pad.bone as u32;
-            let pad_P = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
-            let goal = place_P + normal_P * (chain.pad.radius + before);
-            let miss = goal - pad_P;
-            if closing {
-                let lead = kept.lead_P + miss * (LEAD.0 * h).min(1.0);
-                let size = lead.norm();
-                kept.lead_P = if size > LEAD.1 { lead * (LEAD.1 / size) } else { lead };
-            }
-            let goal = Goal { centre: goal + kept.lead_P, normal: -normal_P };
-            solve(chain, &chain.ease(), &mut kept.goal, &goal, ROUNDS);
-            gathered &= advance(kept, chain, h) < GATHERED;
-            if closing && felt > touch {
-                kept.touched = true;
-                kept.point_P = chain.reach(&kept.angles).centre;
-                kept.normal_P = normal_P;
-            } else {
-                touching = false;
-            }
-        }
-        let waited = self.memory.since;
-        if closing && (touching || waited > (BEFORE + BEHIND) / CLOSING + PATIENCE[1]) {
-            self.take_hold(opposition, world, hand, palm);
-        } else if !closing && (gathered || waited > PATIENCE[0]) {
-            (self.memory.phase, self.memory.since) = (Phase::Closing, 0.0);
-        }
-    }
-
-    /// Fingers bend until they are around the object, or as bent as they go.
-    fn bend_around(&mut self, around: &Around, hand: &BuiltHand, h: f64) {
-        let (memory, opposition) = (&mut self.memory, around.opposition);
-        memory.phase = Phase::Closing;
-        let mut around_it = true;
-        for pad in 1..opposition.pads() {
-            let kept = &mut memory.pads[pad];
-            let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
-            around_it &= !around.bend(pad, &mut kept.goal, h);
-            around_it &= advance(kept, chain, h) < GATHERED;
-            kept.touched = around.way(pad, &kept.angles) < TOUCHES;
-        }
-        if around_it || memory.since > PATIENCE[0] + PATIENCE[1] {
-            self.take_hold(opposition, around.world, hand, &around.palm);
-        }
-    }
-
-    /// From here on the palm carries the pads.
-    fn take_hold(&mut self, opposition: &Opposition, world: &World, hand: &BuiltHand, palm: &Pose) {
-        let memory = &mut self.memory;
-        let (mut fingers, mut count) = (Vec3::zeros(), 0.0);
-        let mut base = None;
-        for pad in 0..opposition.pads() {
-            let kept = &mut memory.pads[pad];
-            let Some(anchor) = kept.anchor else { continue };
-            let Some(chain) = opposition.chain(pad) else { continue };
-            if !kept.touched {
-                kept.point_P = chain.reach(&kept.angles).centre;
-                kept.normal_P = palm.inverse_vector(&anchor.now(world).1);
-            }
-            let bone = hand.handle.bones.start + chain.pad.bone as u32;
-            let centre = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
-            if pad == 0 {
-                base = Some(centre);
-            } else {
-                fingers += centre;
-                count += 1.0;
-            }
-        }
-        let ready = opposition.at(0.0).axis;
-        let along = base.filter(|_| count > 0.0).map(|base| fingers / count - base);
-        memory.axis_P = match &opposition.base {
-            Base::Palm(_, normal) => *normal,
-            Base::Thumb(_) => along.and_then(|way| way.try_normalize(1e-4)).unwrap_or(ready),
-        };
-        (memory.phase, memory.since, memory.depth) = (Phase::Holding, 0.0, 0.0);
-        self.memory.trouble = self.met(opposition, world, hand);
-    }
-
-    /// Pads press with the force that was asked for.
-    fn hold(
-        &mut self,
-        opposition: &Opposition,
-        world: &World,
-        hand: &BuiltHand,
-        order: &Order,
-        h: f64,
-    ) {
-        // A keyframe of an older program does not say what is wanted.
-        self.memory.reflex.wanted = self.memory.reflex.wanted.max(order.force);
-        if self.is_lost(order, h) {
-            self.memory.pads.iter_mut().for_each(|pad| pad.rates = [0.0; FREEDOMS_MAX]);
-            return;
-        }
-        let bound = stiffness(opposition, world, hand);
-        let memory = &mut self.memory;
-        if order.adapts {
-            let Reflex { wanted: before, used, .. } = memory.reflex;
-            memory.reflex.wanted = wanted(before, order.force, memory.force, used, h);
-        }
-        let met = slope(memory.depth, memory.force, bound);
-        let before = memory.depth;
-        memory.depth = push(before, memory.force, memory.reflex.wanted, bound, h);
-        if let Some(object) = order.object().filter(|_| opposition.kind == GripKind::Hook) {
-            memory.depth = memory.depth.max(before);
-            let palm = world.rigid_pose(hand.handle.bones.start);
-            let around = Around { opposition, model: &hand.model, world, object, palm };
-            around.tighten(&mut memory.pads, memory.depth - before, h);
-            memory.pads.iter_mut().for_each(|kept| turn_to(kept, h));
-            return self.tell_weak(order);
-        }
-        let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
-        let count = fingers.count().max(1);
-        let (share, least) = (1.0 / count as f64, least_share(count));
-        let shares =
-            order.object().is_some() && opposition.kind.has_thumb() && memory.reflex.gone == 0.0;
-        let palm = world.rigid_pose(hand.handle.bones.start);
-        for pad in 0..opposition.pads() {
-            let kept = &mut memory.pads[pad];
-            let (Some(chain), Some(anchor)) = (opposition.chain(pad), kept.anchor) else {
-                continue;
-            };
-            let inwards = if pad == 0 { memory.axis_P } else { memory.axis_P * -share };
-            let mut centre = kept.point_P + inwards * memory.depth;
-            if pad > 0 && shares && memory.reflex.held {
-                let (felt, mean) = (memory.felt[part(chain.digit)], share * memory.force);
-                let place = anchor.now(world).0;
-                let short = kept.point_P - palm.inverse_point(&place);
-                let short = short.dot(&kept.normal_P) - chain.pad.radius;
-                let most = FURTHER_MAX + short.clamp(0.0, BEFORE);
-                let more = &mut memory.reflex.further[pad];
-                *more = further(*more, felt, (mean, least), (met, most), h);
-                centre -= kept.normal_P * *more;
-            }
-            solve(
-                chain,
-                &chain.ease(),
-                &mut kept.goal,
-                &Goal { centre, normal: -kept.normal_P },
-                ROUNDS,
-            );
-            turn_to(kept, h);
-        }
-        self.tell_weak(order);
-    }
-
     /// Force of the two sides against each other in the last step \[N\].
     fn felt(&self, opposition: &Opposition) -> f64 {
         let palm = if opposition.kind.has_thumb() { 0.0 } else { self.memory.felt[0] };
@@ -625,43 +375,6 @@ fn ease(u: f64) -> (f64, f64) {
 }
 
 /// Number of a digit among the felt forces.
-fn part(digit: Digit) -> usize {
+pub(super) fn part(digit: Digit) -> usize {
     usize::from(digit.part())
 }
-
-/// Moves the targets of a pad smoothly towards its goal; how far off they are \[rad\].
-fn advance(kept: &mut PadMemory, chain: &Chain, h: f64) -> f64 {
-    let law = Law { omega: TAU * FOLLOW.0, speed: FOLLOW.1 };
-    let mut off = 0.0f64;
-    for k in 0..chain.freedoms.len() {
-        let now = [kept.angles[k], kept.rates[k]];
-        [kept.angles[k], kept.rates[k]] = follow(now, [kept.goal[k], 0.0], law, h);
-        off = off.max((kept.goal[k] - kept.angles[k]).abs());
-    }
-    off
-}
-
-/// Puts the targets of a pad where its goal is, no faster than joints go.
-fn turn_to(kept: &mut PadMemory, h: f64) {
-    let before: Angles = kept.angles;
-    for k in 0..FREEDOMS_MAX {
-        let most = FOLLOW.1 * h;
-        kept.angles[k] += (kept.goal[k] - before[k]).clamp(-most, most);
-        kept.rates[k] = (kept.angles[k] - before[k]) / h;
-    }
-}
-
-/// A bound of the stiffness with which the thumb, or of a hook all fingers, are pushed \[N/m\]: all
-/// bones as far as the pads, and turned as if each were a lever of [`LEVER`].
-fn stiffness(opposition: &Opposition, world: &World, hand: &BuiltHand) -> f64 {
-    let drive = |bone: &usize| {
-        let drive = world.desc().drives[hand.handle.bones.start as usize + bone];
-        drive.map_or(0.0, |d| d.stiffness + d.angular_stiffness / (LEVER * LEVER))
-    };
-    let of = |chain: &Chain| chain.bones[1..].iter().map(drive).sum::<f64>();
-    let thumb = opposition.chain(0).map(of);
-    thumb.unwrap_or_else(|| opposition.fingers.iter().map(of).sum()).max(1.0)
-}
-
-/// A finger's lever \[m\].
-pub(super) const LEVER: f64 = 0.05;

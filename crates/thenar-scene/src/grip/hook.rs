@@ -12,7 +12,7 @@
 //! never goes back.
 
 use super::choose::Choice;
-use super::hand::LEVER;
+use super::holding::LEVER;
 use super::memory::PadMemory;
 use super::opposition::{Opposition, PADS_MAX};
 use super::size::pads_middle;

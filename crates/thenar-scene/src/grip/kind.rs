@@ -68,3 +68,19 @@ impl GripKind {
         if self == Self::Lateral { PadPlace::Side } else { PadPlace::Tip }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Digit::{Index, Middle, Palm, Ring, Thumb};
+
+    #[test]
+    fn the_thumb_opposes_the_fingers_of_its_grip_and_the_palm_those_of_a_hook() {
+        assert!(GripKind::Pinch.opposes(Thumb, Index) && GripKind::Pinch.opposes(Index, Thumb));
+        assert!(!GripKind::Pinch.opposes(Thumb, Middle) && GripKind::Tripod.opposes(Thumb, Middle));
+        assert!(!GripKind::Tripod.opposes(Thumb, Ring) && GripKind::Power.opposes(Ring, Thumb));
+        assert!(!GripKind::Power.opposes(Index, Middle) && !GripKind::Power.opposes(Palm, Index));
+        assert!(GripKind::Hook.opposes(Palm, Ring) && !GripKind::Hook.opposes(Thumb, Ring));
+        assert!(GripKind::ALL.iter().all(|kind| !kind.opposes(Thumb, Thumb)));
+    }
+}

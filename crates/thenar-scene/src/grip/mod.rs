@@ -7,7 +7,8 @@
 //! 3. `solve`: angles for a pad's place, by damped least squares within the joints' ranges;
 //! 4. `squeeze`: how hard pads push, by the force that is felt;
 //! 5. `hook`: fingers that bend around a handle instead;
-//! 6. [`GripHand`]: these, step by step.
+//! 6. [`GripHand`]: these, step by step, of which `reaching` has the way to the object and
+//!    `holding` what follows.
 //!
 //! The same calls give the same bits. Steps allocate nothing once a hand has learnt a kind. The
 //! step in which a grip begins takes some milliseconds, for the search of places.
@@ -16,12 +17,16 @@ mod choose;
 mod crowd;
 mod felt;
 mod hand;
+mod holding;
 mod hook;
 mod kind;
+mod loss;
 mod memory;
 mod opposition;
 mod order;
+mod reaching;
 mod reasons;
+mod row;
 mod size;
 mod squeeze;
 mod surface;
@@ -30,6 +35,7 @@ mod trouble;
 pub(crate) use felt::digit_touched;
 pub use hand::{GripHand, GripState};
 pub use kind::GripKind;
+pub use loss::Loss;
 pub use memory::{GripMemory, PadMemory, Phase, Reflex};
 pub use opposition::{Base, Opposition, Span};
 pub use order::Order;

@@ -1,12 +1,13 @@
 //! Trouble that a grip finds while it is under way.
 
 use super::choose::REACH;
-use super::hand::GripHand;
+use super::hand::{GripHand, part};
 use super::kind::GripKind;
-use super::memory::GripMemory;
+use super::loss::Loss;
+use super::memory::{GripMemory, Reflex};
 use super::opposition::Opposition;
 use super::order::Order;
-use super::squeeze::RANGE;
+use super::squeeze::{RANGE, least_share};
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use thenar_core::World;
@@ -14,11 +15,14 @@ use thenar_core::World;
 /// A force is lacking when after so long \[s\] so much of it is not there.
 const LACKING: (f64, f64) = (2.0, 0.1);
 /// An object that was pressed with the first part of what is wanted, and after that for so long
-/// \[s\] with less than the last part, is gone.
+/// \[s\] with less than the last part, is gone: a bounce of a fingertip of 20 g on its drive of 500
+/// N/m takes a tenth of that, π √(m/k) = 20 ms.
 const LOST: (f64, f64, f64) = (0.5, 0.2, 0.05);
-/// Pads that went so much farther in than where they touched, and feel nothing there, have nothing
-/// between them \[m\].
-const NOTHING: f64 = 0.02;
+/// A pad that was short of its place is there when it bears this part of its least share.
+const LATE: f64 = 0.5;
+/// Pads that went farther in than where they touched by so many radii of the thumb's, and feel
+/// nothing there, have nothing between them: the whole pad has passed by.
+const PASSED: f64 = 2.0;
 
 impl GripHand {
     /// Trouble as the grip takes hold: what was foreseen, unless pads got out of that, or what they
@@ -81,21 +85,26 @@ impl GripHand {
         if opposition.kind == GripKind::Hook || !has_object {
             return None;
         }
-        let short = pads.find(|pad| !self.memory.pads[*pad].touched)?;
+        // In a power grip others bear what a finger does that comes late.
+        let count = pads.clone().filter(|pad| self.memory.pads[*pad].touched && *pad > 0).count();
+        let late = |pad: usize| opposition.kind == GripKind::Power && pad > 0 && count >= 2;
+        let short = pads.find(|pad| !self.memory.pads[*pad].touched && !late(*pad))?;
         let miss = self.miss(opposition, short, world, hand)?;
         Some(Trouble::OutOfReach { pad: short as u8, miss })
     }
 
-    /// Tells when pads are as far in as they go and bear less than was asked for, or have nothing
-    /// between them.
-    pub(super) fn tell_weak(&mut self, order: &Order) {
+    /// Tells when pads are as far in as they go and bear less than was asked for, and no more of a
+    /// pad that was short of its place and bears its least share now.
+    pub(super) fn tell_weak(&mut self, opposition: &Opposition, order: &Order) {
         let memory = &mut self.memory;
-        let met = memory.pads.iter().any(|pad| pad.touched)
-            && order.object().is_some()
-            && order.kind.has_thumb();
-        if met && memory.depth > NOTHING && memory.force < LOST.2 * memory.reflex.wanted {
-            lose(memory);
-            return;
+        if let Some(Trouble::OutOfReach { pad, .. }) = memory.trouble {
+            let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
+            let count = fingers.count().max(1);
+            let share = LATE * least_share(count) * memory.reflex.wanted / count as f64;
+            let chain = opposition.chain(usize::from(pad));
+            if chain.is_some_and(|chain| memory.felt[part(chain.digit)] > share) {
+                memory.trouble = None;
+            }
         }
         let lacking = order.force - memory.force > LACKING.1 * order.force;
         if memory.since > LACKING.0 && lacking && memory.depth >= RANGE[1] {
@@ -104,30 +113,89 @@ impl GripHand {
     }
 
     /// True when an object that was held is gone: fingers then stay as they are, and press again
-    /// when they meet it.
-    pub(super) fn is_lost(&mut self, order: &Order, h: f64) -> bool {
+    /// when they meet it. What was met and never held is gone, too, where pads passed by each
+    /// other: they go on.
+    pub(super) fn is_lost(
+        &mut self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+        order: &Order,
+        h: f64,
+    ) -> bool {
         let memory = &mut self.memory;
-        let GripMemory { reflex, force, trouble, .. } = memory;
-        reflex.held |= *force > LOST.0 * reflex.wanted;
-        let is_felt = *force > LOST.2 * reflex.wanted;
-        reflex.gone = if reflex.held && !is_felt { reflex.gone + h } else { 0.0 };
-        let lost = reflex.gone > LOST.1 && order.object().is_some();
-        if lost {
-            lose(memory);
-        } else if is_felt && matches!(trouble, Some(Trouble::Lost { .. })) {
-            *trouble = None;
+        let met = memory.pads.iter().any(|pad| pad.touched) && order.kind.has_thumb();
+        let thumb = opposition.chain(0).map_or(f64::INFINITY, |chain| chain.pad.radius);
+        let passed = met && memory.depth > PASSED * thumb;
+        let reflex = &mut memory.reflex;
+        let gone = reflex.is_gone(memory.force, passed, h) && order.object().is_some();
+        let (held, is_felt) = (reflex.held, reflex.gone == 0.0);
+        let told = matches!(memory.trouble, Some(Trouble::Lost { .. } | Trouble::LostFor { .. }));
+        if gone && !told {
+            let cause = hand.flesh().and_then(|flesh| self.cause(opposition, world, flesh, order));
+            lose(&mut self.memory, cause);
+        } else if is_felt && told {
+            memory.trouble = None;
         }
-        lost
+        gone && held
     }
 }
 
-/// Tells that the object is gone, unless it never fitted.
-fn lose(memory: &mut GripMemory) {
+impl Reflex {
+    /// True when the object has been gone for longer than a bounce, after a step of `h` \[s\] in
+    /// which pads pressed with `force` \[N\]: one that was held, or one that they have `passed`.
+    fn is_gone(&mut self, force: f64, passed: bool, h: f64) -> bool {
+        self.held |= force > LOST.0 * self.wanted;
+        let is_felt = force > LOST.2 * self.wanted;
+        self.gone = if (self.held || passed) && !is_felt { self.gone + h } else { 0.0 };
+        self.gone > LOST.1
+    }
+}
+
+/// Tells that the object is gone, and why, unless it never fitted.
+fn lose(memory: &mut GripMemory, cause: Option<Loss>) {
     let never = matches!(
         memory.trouble,
         Some(Trouble::TooLarge { .. } | Trouble::NoOpposite { .. } | Trouble::Wide { .. })
     );
     if !never {
-        memory.trouble = Some(Trouble::Lost { wanted: memory.reflex.wanted });
+        let wanted = memory.reflex.wanted;
+        memory.trouble = Some(match cause {
+            Some(cause) => Trouble::LostFor { wanted, cause },
+            None => Trouble::Lost { wanted },
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One step without contact is a bounce at every step; 0.2 s and more are a loss, and contact
+    /// begins the time anew.
+    #[test]
+    fn an_object_is_gone_after_a_dwell() {
+        for h in [1e-3, 5e-3, 1.0 / 60.0] {
+            let mut reflex = Reflex { wanted: 1.0, ..Reflex::default() };
+            assert!(!reflex.is_gone(0.9, false, h) && reflex.held);
+            let until_gone = |reflex: &mut Reflex| {
+                let steps = (1..1000).find(|_| reflex.is_gone(0.0, false, h));
+                f64::from(steps.expect("gone")) * h
+            };
+            let dwell = until_gone(&mut reflex);
+            assert!(dwell > LOST.1 - 1e-9 && dwell < LOST.1 + 1.5 * h, "{h}: {dwell} s");
+            assert!(!reflex.is_gone(0.9, false, h));
+            assert_eq!(until_gone(&mut reflex), dwell);
+        }
+    }
+
+    /// What was never held is gone only where pads have passed by each other, and after the same
+    /// dwell.
+    #[test]
+    fn what_was_never_held_is_gone_when_pads_passed() {
+        let mut reflex = Reflex { wanted: 1.0, ..Reflex::default() };
+        assert!((0..100).all(|_| !reflex.is_gone(0.0, false, 1e-2)));
+        let steps = (1..100).find(|_| reflex.is_gone(0.0, true, 1e-2));
+        assert!(steps.is_some_and(|steps| (20..=21).contains(&steps)), "{steps:?}");
     }
 }

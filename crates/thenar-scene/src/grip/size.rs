@@ -11,12 +11,10 @@ use thenar_core::{Pose, World};
 /// Grip force over the slip limit where a scene does not say. People hold dry things with 1.2 to 2
 /// times what they need [Johansson and Westling 1984]; pads that do not face each other straight
 /// need the more.
-const MARGIN: f64 = 2.0;
-/// Margin of two fingers beside each other on a thing that may be round: they press at a slant to
-/// the thumb, and do not bear the same.
-const MARGIN_ASLANT: f64 = 2.5;
-/// Least force that is held where a scene does not say \[N\].
-const FORCE_MIN: f64 = 0.3;
+pub const MARGIN: f64 = 2.0;
+/// Least force that is held where a scene does not say \[N\]: that with which pads meet what is
+/// hard as they close.
+const FORCE_MIN: f64 = 0.2;
 
 /// The least width of an object between places that face away from each other \[m\]; infinite where
 /// there are none.
@@ -51,19 +49,14 @@ pub fn way_to(world: &World, object: BodyId, point: &Vec3) -> Option<f64> {
     nearest(world, object, point).map(|place| (place.point - point).norm())
 }
 
-/// Force that holds an object against its weight with the margin of its kind \[N\]; in a hook no
-/// friction holds it, and half of the weight is what there is when it hangs. `flesh` is the hand's.
+/// Force that holds an object against its weight with a margin \[N\]; in a hook no friction holds
+/// it, and half of the weight is what there is when it hangs. `flesh` is the hand's.
 pub fn usual_force(desc: &WorldDesc, flesh: u32, object: BodyId, kind: GripKind) -> f64 {
     let force = match kind.has_thumb() {
-        true => margin(kind) * slip_limit(desc, flesh, object),
+        true => MARGIN * slip_limit(desc, flesh, object),
         false => 0.5 * mass(desc, object) * desc.gravity.norm(),
     };
     force.max(FORCE_MIN)
-}
-
-/// Grip force over the slip limit with which a kind begins.
-fn margin(kind: GripKind) -> f64 {
-    if kind == GripKind::Tripod { MARGIN_ASLANT } else { MARGIN }
 }
 
 /// Least force between two sides that keeps an object from slipping under its weight, `m g / (2 μ)`
@@ -73,7 +66,7 @@ pub fn slip_limit(desc: &WorldDesc, flesh: u32, object: BodyId) -> f64 {
 }
 
 /// Mass of a body \[kg\].
-fn mass(desc: &WorldDesc, object: BodyId) -> f64 {
+pub fn mass(desc: &WorldDesc, object: BodyId) -> f64 {
     match object {
         BodyId::Rigid(i) => desc.rigids[i as usize].mass,
         BodyId::Soft(i) => {

@@ -14,6 +14,8 @@
 //! force add up to 50 ms (one step, the fingers' swing), and a loop of first order does not
 //! overshoot while its rate times its delay is below 1/e [Åström and Hägglund 1995]: hence RATE.
 
+use super::felt::Use;
+
 /// Part of the lacking force that is closed in a second, at most \[1/s\].
 pub const RATE: f64 = 8.0;
 /// Fastest push \[m/s\]: as fast as pads close.
@@ -62,19 +64,30 @@ const RISE_MAX: f64 = 4.0;
 /// Time in which a force that rose falls again \[s\]. People let go slowly what threatened to slip.
 const FALL: f64 = 1.0;
 
-/// Force that is wanted after a step of `h` \[s\] \[N\], where pads press with `force` and use up
-/// the part `used` of what friction can give; never less than what was `foreseen`.
-pub fn wanted(before: f64, foreseen: f64, force: f64, used: f64, h: f64) -> f64 {
-    let asked = (SAFETY * used * force).min(RISE_MAX * foreseen);
-    let fallen = foreseen + (before - foreseen) * (-h / FALL).exp();
-    asked.max(fallen).max(foreseen)
+/// Time in which pads come to press harder before the load comes \[s\]: that of [`RATE`].
+const READY: f64 = 1.0 / RATE;
+
+/// Force that is wanted after a step of `h` \[s\] \[N\], where pads press with `force`. `begins` is
+/// what was foreseen, `margin` how many times that is what keeps the object from slipping between
+/// pads that press straight. Until the object is carried, so many times are kept that it is that of
+/// pads at their slant; from then on what the load asks.
+pub fn wanted(before: f64, [begins, margin]: [f64; 2], force: f64, used: Use, h: f64) -> f64 {
+    let most = RISE_MAX * begins;
+    let asked = (SAFETY * used.load * force).min(most);
+    let least = SAFETY / margin * begins;
+    let floor =
+        if used.carried { least } else { (begins / (1.0 - used.slant).max(1e-9)).min(most) };
+    let time = if floor > before { READY } else { FALL };
+    let neared = floor + (before - floor) * (-h / time).exp();
+    asked.max(neared)
 }
 
 /// A finger is pushed in until it bears this part of the mean of the fingers.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
 /// Least part of the mean of two fingers: where one of them lets go, a thing turns about the line
-/// from the thumb to the other.
-const LEAST_SHARE_OF_TWO: f64 = 0.6;
+/// from the thumb to the other. At `SAFETY` times the slip limit a finger with this part carries
+/// its part of the weight just so.
+const LEAST_SHARE_OF_TWO: f64 = 1.0 / SAFETY;
 
 /// Part of the mean that each of `count` fingers is to bear at least.
 pub fn least_share(count: usize) -> f64 {
@@ -112,20 +125,54 @@ pub fn further(
 mod tests {
     use super::*;
 
-    /// A side that has 0.7 of its friction in use wants half a tenth more than it has; one that
-    /// slides half as much again.
+    /// A load that has 0.8 of its friction in use wants a fifth more than there is, one that slides
+    /// half as much again, and no load more than four times what was foreseen.
     #[test]
-    fn force_rises_with_the_part_of_friction_in_use_and_falls_slowly() {
-        assert_eq!(wanted(1.0, 1.0, 1.0, 0.5, 0.01), 1.0);
-        assert!((wanted(1.0, 1.0, 1.0, 0.7, 0.01) - 1.05).abs() < 1e-12);
-        assert_eq!(wanted(1.0, 1.0, 1.0, 1.0, 0.01), 1.5);
-        assert_eq!(wanted(1.0, 1.0, 30.0, 1.0, 0.01), RISE_MAX);
-        // A second later a rise is down to 1/e, whatever the step.
+    fn force_rises_with_the_part_of_friction_in_use() {
+        let wanted_of = |force: f64, load: f64| {
+            wanted(1.0, [1.0, 2.0], force, Use { load, ..Use::default() }, 0.01)
+        };
+        assert!((wanted_of(1.0, 0.8) - 1.2).abs() < 1e-12);
+        assert_eq!(wanted_of(1.0, 1.0), 1.5);
+        assert_eq!(wanted_of(30.0, 1.0), RISE_MAX);
+    }
+
+    /// Foreseen are twice what would slip. Without a load they are kept, and pads of which half of
+    /// the friction goes to their slant press twice as hard; under the load half of the way to 1.5
+    /// times is left after 0.69 s, whatever the step.
+    #[test]
+    fn force_is_kept_until_the_load_is_felt_and_falls_then() {
         for h in [1e-3, 1e-2] {
-            let steps = (1.0 / h) as usize;
-            let force = (0..steps).fold(2.0, |before, _| wanted(before, 1.0, 1.0, 0.0, h));
-            assert!((force - 1.0 - (-1.0f64).exp()).abs() < 1e-9, "{force}");
+            let after = |time: f64, used: Use| {
+                let steps = (time / h).round() as usize;
+                (0..steps).fold(2.0, |before, _| wanted(before, [2.0, 2.0], before, used, h))
+            };
+            assert_eq!(after(3.0, Use::default()), 2.0);
+            let aslant = after(3.0, Use { slant: 0.5, ..Use::default() });
+            assert!((aslant - 4.0).abs() < 1e-3, "{aslant}");
+            let under_load = (0..(2f64.ln() / h).round() as usize).fold(2.0, |before, _| {
+                // Of what a force gives, a load whose slip limit is 1 N uses up so much.
+                wanted(
+                    before,
+                    [2.0, 2.0],
+                    before,
+                    Use { load: 1.0 / before, carried: true, ..Use::default() },
+                    h,
+                )
+            });
+            assert!((under_load - 1.75).abs() < 5e-3, "{h}: {under_load}");
         }
+    }
+
+    /// With 1.5 times the slip limit `m g / (2 μ)` of the thumb's side, a finger that bears its
+    /// least share carries a part `m g / 4` of the weight just so: `μ` times two thirds of half of
+    /// the force.
+    #[test]
+    fn the_least_share_of_two_fingers_carries_their_part() {
+        let (weight, friction) = (1.0, 0.8);
+        let force = SAFETY * weight / (2.0 * friction);
+        let carried = friction * least_share(2) * force / 2.0;
+        assert!((carried - weight / 4.0).abs() < 1e-12, "{carried} N");
     }
 
     /// An idle finger 5 mm off a spring comes in, and stops near its third.

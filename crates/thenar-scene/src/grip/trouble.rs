@@ -1,5 +1,6 @@
 //! Why a grip is not had as it was asked for.
 
+use super::loss::Loss;
 use super::opposition::Opposition;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +62,13 @@ pub enum Trouble {
         /// How far it ends from its place.
         miss: f64,
     },
+    /// The object was held, and has slipped out for a cause that is known.
+    LostFor {
+        /// Force that was wanted last.
+        wanted: f64,
+        /// Why.
+        cause: Loss,
+    },
 }
 
 impl Trouble {
@@ -115,6 +123,10 @@ impl Trouble {
             ),
             Self::Lost { wanted } => format!(
                 "{kind}: `{object}` slipped out of {base} and {fingers}, which were to press with {wanted:.2} N"
+            ),
+            Self::LostFor { wanted, cause } => format!(
+                "{kind}: `{object}` slipped out of {base} and {fingers}, which were to press with {wanted:.2} N: {}",
+                cause.clause(|pad| digit(pad).to_owned())
             ),
             Self::Missed => {
                 format!(

@@ -3,7 +3,7 @@
 
 use crate::stage::{Stage, open};
 use std::path::Path;
-use thenar_scene::grip::{GripKind, Phase};
+use thenar_scene::grip::{GripHand, GripKind, Phase, Trouble};
 use thenar_scene::session::{GripError, Session};
 
 fn ball() -> Stage {
@@ -201,4 +201,25 @@ fn a_hand_that_is_moved_live_leaves_the_grips_of_the_scene() {
             }
         }
     }
+}
+
+/// Of a pad that ends short of its place, and of a thing that is nearly too large, the sentence
+/// names kind, object, digit and lengths in whole millimetres.
+#[test]
+fn pads_that_end_short_are_told_with_their_digit() {
+    let session = open(&ball().text_without_grip());
+    let hand = &session.hands()[0];
+    let mut gripping = GripHand::new(hand).expect("a hand that grips");
+    gripping.learn(hand, GripKind::Power).expect("a kind");
+    let opposition = gripping.opposition(GripKind::Power).expect("learnt");
+    let told = |trouble: Trouble| trouble.sentence(opposition, "loaf", 2.0);
+    assert_eq!(
+        told(Trouble::OutOfReach { pad: 2, miss: 0.0174 }),
+        "power: the middle ends 17 mm short of its place on `loaf`"
+    );
+    assert_eq!(
+        told(Trouble::Wide { width: 0.1204, opening: 0.13, pad: 0, miss: 0.021 }),
+        "power: `loaf` of 120 mm across is too large from here: thumb and fingers open to 130 mm, \
+         and the thumb ends 21 mm short of its place"
+    );
 }

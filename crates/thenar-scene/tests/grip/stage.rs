@@ -131,8 +131,12 @@ pub struct Held {
     pub most: f64,
     /// How far the thing went up [m].
     pub lift: f64,
-    /// How far it went in the hand while that held still, 3.5 to 4.5 s [m].
+    /// How far it goes in the hand in a second while that holds still [m]: twice what is between
+    /// its mean places from 3.5 to 4 s and in the half second after, since things swing about the
+    /// line between pads.
     pub slip: f64,
+    /// Farthest from its mean place in that second [m].
+    pub swing: f64,
     pub trouble: Option<String>,
 }
 
@@ -150,20 +154,23 @@ pub fn middle(session: &Session) -> Vec3 {
 
 pub fn hold(session: &mut Session) -> Held {
     let start = middle(session);
-    let (mut most, mut before) = (0.0f64, None);
+    let (mut most, mut still) = (0.0f64, Vec::new());
     for _ in 0..session.steps_wanted() {
         assert!(!session.step(&mut ()).non_finite);
         most = most.max(session.grip_state(0).map_or(0.0, |state| state.force));
         if session.world().time() > 3.5 {
-            before.get_or_insert(session.hand_wrist(0).inverse_point(&middle(session)));
+            still.push(session.hand_wrist(0).inverse_point(&middle(session)));
         }
     }
-    let after = session.hand_wrist(0).inverse_point(&middle(session));
+    let mean = |at: &[Vec3]| at.iter().sum::<Vec3>() / at.len() as f64;
+    let [before, after] = [&still[..still.len() / 2], &still[still.len() / 2..]].map(mean);
+    let all = mean(&still);
     Held {
         force: session.grip_state(0).map_or(0.0, |state| state.force),
         most,
         lift: middle(session).y - start.y,
-        slip: (after - before.unwrap_or(after)).norm(),
+        slip: 2.0 * (after - before).norm(),
+        swing: still.iter().map(|at| (at - all).norm()).fold(0.0, f64::max),
         trouble: session.grip_trouble(0),
     }
 }
