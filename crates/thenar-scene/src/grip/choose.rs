@@ -1,4 +1,5 @@
-//! Where pads go on an object: opposed places of its surface, near where the hand has its pads.
+//! Choice of places for pads on an object: opposed places of its surface, near where the hand has
+//! its pads.
 //!
 //! Every sample of the surface is a place for the base's pad: a line goes in there along the inward
 //! normal, and where it leaves again the fingers are to press. Such pairs are ranked by how far
@@ -27,20 +28,20 @@ pub const READY: f64 = 0.04;
 const TRIED: usize = 16;
 /// Rounds of inverse kinematics for each.
 const ROUNDS: usize = 30;
-/// What a line at right angles to the pads' own counts as \[m\].
+/// Distance that a line at right angles to the pads' own counts as \[m\].
 const TILT: f64 = 0.06;
-/// What a second normal at right angles to the line counts as \[m\].
+/// Distance that a second normal at right angles to the line counts as \[m\].
 const SLANT: f64 = 0.06;
 /// A normal farther off the line than 45° holds nothing \[cosine\].
 const SLANT_MIN: f64 = 0.7;
 /// Added for a pair outside the cone of friction \[m²\]: it is taken where there is no other.
 const SLIPS: f64 = 1.0;
-/// What a finger reached for counts beside where it is wanted.
+/// Weight of the squared distance at which a pad ends from its place.
 const MISS: f64 = 16.0;
-/// How far the palm goes aside at most, so that pads get to their places \[m\]: a finger and a
-/// half; farther off, a hand is not yet where it is to grip.
+/// Limit of the palm's shift that brings pads to their places \[m\]: a finger and a half; farther
+/// off, a hand is not yet where it is to grip.
 const SHIFT_MAX: f64 = 0.03;
-/// How far down of that \[m\]: what an object lies on is below.
+/// Limit of the downward part of that shift \[m\]: what an object lies on is below.
 const DOWN_MAX: f64 = 0.5 * REACH;
 /// The palm stays where pads lack less than this, for which they make up as they close \[m\].
 const SHIFT_MIN: f64 = 0.25 * REACH;
@@ -56,32 +57,32 @@ const LEVER: f64 = 2.5 * MISS;
 /// A longer lever is as good as any \[m\]: long things are held where the hand is, and by two
 /// hands.
 const LEVER_MAX: f64 = 0.5 * SHIFT_MAX;
-/// What the way from the middle of the object to the line counts.
+/// Weight of the squared distance from the middle of the object to the line.
 const ASIDE: f64 = 0.5;
 /// A pad that ends farther than this from its place is out of reach \[m\]: what fingers that close
 /// do not make up.
 pub const REACH: f64 = 0.012;
-/// What the way counts that a bone before a pad lacks: half way from the knuckle to the pad it
-/// keeps the pad off its place by twice as much, of which the square counts.
+/// Weight of the squared way that a bone before a pad lacks: half way from the knuckle to the pad
+/// it keeps the pad off its place by twice as much.
 const CROWD: f64 = 4.0 * MISS;
-/// What such a bone lacks at least for the palm to go aside \[m\].
+/// Least way that a bone before a pad lacks for the palm to go aside \[m\].
 const CROWD_MIN: f64 = 0.5e-3;
-/// A pad needs so much room before its place \[m\]: half of a pad's thickness.
+/// Room that a pad needs before its place \[m\]: half of a pad's thickness.
 const ROOM: f64 = 4e-3;
 /// Bones before a pad come near to things wider than this \[m\], which is as thick as a finger:
 /// pads close on thinner ones before them.
 const THICK: f64 = 16e-3;
 
-/// Where the pads of a grip go.
+/// Places for the pads of a grip.
 #[derive(Clone, Copy, Debug)]
 pub struct Choice {
     /// Place of each pad, the base's first; none for one that has nothing to touch.
     pub anchors: [Option<Anchor>; PADS_MAX],
     /// Angles of each chain at its place.
     pub angles: [Angles; PADS_MAX],
-    /// How far the palm is to go aside for that, in its own frame \[m\].
+    /// Shift of the palm for that, in its own frame \[m\].
     pub shift_P: Vec3,
-    /// What does not fit.
+    /// Trouble of an object or a place that does not fit.
     pub trouble: Option<Trouble>,
 }
 
@@ -107,7 +108,8 @@ struct Pair {
 pub struct Scratch {
     samples: Vec<Sample>,
     best: Vec<Pair>,
-    /// What stands fast, and how far it is from where the hand grips \[m\], the nearest first.
+    /// Bodies that stand fast, with their distance from where the hand grips \[m\], the nearest
+    /// first.
     near: Vec<(BodyId, f64)>,
 }
 
@@ -219,7 +221,7 @@ fn faces([base, fingers]: [&Sample; 2], way: &Vec3) -> f64 {
     fingers.normal.dot(way).min(-base.normal.dot(way))
 }
 
-/// What a pair costs before anything is reached for \[m²\].
+/// Returns the cost of a pair before anything is reached for \[m²\].
 fn rank([base, fingers]: [&Sample; 2], way: &Vec3, span: &Span, palm: &Pose, centre: &Vec3) -> f64 {
     let off = (base.point - palm.point(&span.base)).norm_squared()
         + (fingers.point - palm.point(&span.fingers)).norm_squared();
@@ -261,8 +263,8 @@ fn is_covered(world: &World, near: &[(BodyId, f64)], from: &Vec3, place: &Sample
     bodies.iter().any(|(body, _)| clearance(world, *body, &skin) < 0.0)
 }
 
-/// How far a line is from level and from upright, 1/4 at half way: what a round thing's weight
-/// lacks on one side there, it has too much on the other.
+/// Measures how far a line is from level and from upright, 1/4 at half way, where a round thing's
+/// weight is too little on one side and too much on the other.
 fn slope(down: &Vec3, way: &Vec3) -> f64 {
     let steep = way.dot(down).powi(2);
     steep * (1.0 - steep)
@@ -390,7 +392,7 @@ fn approach(chain: &Chain, angles: &mut Angles, palm: &Pose, place: &Sample) -> 
     centre - chain.reach(angles).centre
 }
 
-/// What can be had of an object that does not fit: each pad goes to what is nearest.
+/// Returns a makeshift for an object that does not fit: each pad goes to the nearest place.
 fn stand_in(
     opposition: &Opposition,
     world: &World,
@@ -433,9 +435,9 @@ mod tests {
     use crate::session::Session;
     use std::path::Path;
 
-    /// Of a thousand things that stand fast, one each 0.1 m farther off, those within 0.25 m of
-    /// where distances are from are looked at: the way to a place bounds how much nearer to it they
-    /// can be.
+    /// A thousand things stand fast, one each 0.1 m farther off; those within 0.25 m of where
+    /// distances are from are looked at: the way to a place bounds how much nearer to it they can
+    /// be.
     #[test]
     fn only_what_is_near_is_looked_at() {
         let near: Vec<_> = (0..1000).map(|i| (BodyId::Rigid(i), 0.1 * f64::from(i))).collect();

@@ -9,8 +9,8 @@ use thenar_core::model::{BodyId, HandModel};
 use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, palmar_pad};
 
-/// Skin of other bones is to be so far from the object when the pad touches, as part of what is
-/// between skin and axis: pads give way by that where they press with 1 N.
+/// Distance of other bones' skin from the object when the pad touches, as part of what is between
+/// skin and axis: pads give way by that where they press with 1 N.
 const ROOM: f64 = 0.15;
 /// Places along a bone at which its way to the object is taken.
 const PLACES: usize = 3;

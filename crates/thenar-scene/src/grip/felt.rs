@@ -1,4 +1,4 @@
-//! What the digits of a hand feel of an object.
+//! Forces that the digits of a hand feel from an object.
 
 use super::kind::GripKind;
 use crate::build::BuiltHand;
@@ -26,7 +26,7 @@ pub fn felt(world: &World, hand: &BuiltHand, against: Against) -> [f64; 6] {
     felt
 }
 
-/// What friction does to the digits of one side.
+/// Contact and friction on the digits of one side.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Side {
     /// Sum of the normal forces \[N\].
@@ -43,7 +43,7 @@ pub struct Side {
     patch: Option<(Vec3, Vec3)>,
 }
 
-/// What friction does to the digits `own` of a side together. Forces within a side that cancel
+/// Sums up contact and friction on the digits `own` of a side. Forces within a side that cancel
 /// count for nothing.
 pub fn side(world: &World, hand: &BuiltHand, against: Against, own: [bool; 6]) -> Side {
     let (mut centre, mut normal_W, mut load) = (Vec3::zeros(), Vec3::zeros(), 0.0);
@@ -75,7 +75,7 @@ pub fn side(world: &World, hand: &BuiltHand, against: Against, own: [bool; 6]) -
     side
 }
 
-/// How two sides that hold an object use friction.
+/// Use of friction by two sides that hold an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Use {
     /// Part of what is there for the load that the load uses up, on the side with less in hand: 1
@@ -121,8 +121,8 @@ fn left(aside: &Vec3, towards: &Vec3) -> f64 {
     ((along * along + over).sqrt() - along).clamp(0.0, 1.0)
 }
 
-/// How two sides use friction where objects fall `down`: pull and twist over the most of each are
-/// the two half axes of an ellipse [Howe and Cutkosky 1996].
+/// Returns the use of friction by two sides where objects fall `down`: pull and twist over the most
+/// of each are the two half axes of an ellipse [Howe and Cutkosky 1996].
 ///
 /// The load is the sum of both sides' pulls, and of their twists. A twist by which sides wring what
 /// lies between them is none of it: where that slips, less of it is left. Nor is what keeps in an

@@ -55,17 +55,17 @@ pub struct GripHand {
     pub(super) script_rates: Vec<[f64; 2]>,
 }
 
-/// What a grip does, for who asks.
+/// State of a grip, as reported to callers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GripState {
-    /// What was asked for.
+    /// Grip that was asked for.
     pub order: Order,
     /// Present phase of the grip.
     pub phase: Phase,
     /// Force of the two sides against each other \[N\]: half of the sum of the normal forces of the
     /// pads.
     pub force: f64,
-    /// What is amiss.
+    /// Trouble of the grip, if any.
     pub trouble: Option<Trouble>,
 }
 

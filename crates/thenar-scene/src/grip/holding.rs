@@ -17,8 +17,8 @@ use std::ops::Range;
 use thenar_core::{Vec3, World};
 use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
 
-/// How fast sides that give way aside of each other are led back \[1/s\]: half as fast as force
-/// settles, so that neither loop drives the other.
+/// Rate at which sides that give way aside of each other are led back \[1/s\]: half of that at
+/// which force settles, so that neither loop drives the other.
 const OPPOSE: f64 = 0.5 * RATE;
 
 impl GripHand {
@@ -102,8 +102,8 @@ fn half_way(one: &Vec3, other: &Vec3) -> Vec3 {
     (one + other).try_normalize(1e-6).unwrap_or(*one)
 }
 
-/// Where the pads of the two sides are in the mean that have met the object, or all that have a
-/// place on a side where none has, in the palm's frame \[m\]; `None` where one side has none.
+/// Returns the mean place, of each of the two sides, of the pads that have met the object, or of
+/// all that have a place where none has, in the palm's frame \[m\]; `None` where a side has none.
 pub(super) fn sides_at(
     opposition: &Opposition,
     world: &World,

@@ -68,7 +68,7 @@ pub struct Around<'a> {
     pub opposition: &'a Opposition,
     /// The hand that has them.
     pub model: &'a HandModel,
-    /// Where the object is.
+    /// World that has the object.
     pub world: &'a World,
     /// The object that they bend around.
     pub object: BodyId,
@@ -111,8 +111,8 @@ impl Around<'_> {
         ways.iter().flat_map(|bone| bone.places).map(|(_, way)| way).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far a joint may turn in a step of `h` \[s\], so that no bone that it moves goes into the
-    /// object \[rad\].
+    /// Returns the angle by which a joint may turn in a step of `h` \[s\], so that no bone that it
+    /// moves goes into the object \[rad\].
     fn room(&self, ways: &[Ways; BENT], joint: usize, h: f64) -> f64 {
         let moved = ways[joint..].iter().flat_map(|bone| bone.places);
         let rooms = moved.map(|(place, way)| {

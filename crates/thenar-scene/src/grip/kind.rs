@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thenar_core::model::Digit;
 use thenar_track::reach::PadPlace;
 
-/// How an object is gripped.
+/// Way of gripping an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GripKind {
@@ -63,7 +63,7 @@ impl GripKind {
         self != Self::Hook
     }
 
-    /// Where the pads of its fingers are.
+    /// Returns the place of the pads on its fingers.
     pub fn place(self) -> PadPlace {
         if self == Self::Lateral { PadPlace::Side } else { PadPlace::Tip }
     }

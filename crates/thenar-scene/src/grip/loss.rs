@@ -19,9 +19,10 @@ pub enum Loss {
         /// Friction between it and the hand.
         friction: f64,
     },
-    /// Its sides where pads went lean farther off the line between them than friction holds.
+    /// Sides of the object lean, where pads went, farther off the line between them than friction
+    /// holds.
     Leans {
-        /// How far.
+        /// Angle between that line and the normal that is farther off it.
         angle: f64,
         /// Friction between it and the hand.
         friction: f64,
@@ -30,7 +31,7 @@ pub enum Loss {
     OutOfReach {
         /// Number of the pad: the base 0, the fingers from 1.
         pad: u8,
-        /// How far it ended from there.
+        /// Distance at which it ended from there.
         miss: f64,
     },
 }

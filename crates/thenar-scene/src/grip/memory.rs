@@ -1,5 +1,5 @@
-//! What a grip remembers from step to step: with it, another session of the same scene goes on with
-//! the same bits.
+//! State that a grip keeps from step to step: with it, another session of the same scene continues
+//! with the same bits.
 
 use super::opposition::PADS_MAX;
 use super::order::Order;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use thenar_core::{Vec3, World};
 use thenar_track::reach::{Angles, FREEDOMS_MAX};
 
-/// What a grip is doing.
+/// Phase of a grip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// Nothing: the fingers follow their script or their poses.
@@ -38,21 +38,21 @@ impl Phase {
     }
 }
 
-/// What is remembered of one pad.
+/// State of one pad.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PadMemory {
-    /// Where it goes; none for a pad that does not take part.
+    /// Place that the pad makes for; none for a pad that does not take part.
     pub anchor: Option<Anchor>,
-    /// Has it met the object.
+    /// True once the pad has met the object.
     pub touched: bool,
-    /// Where the targets had its centre when it met the object, in the palm's frame \[m\].
+    /// Centre of the pad by its targets when it met the object, in the palm's frame \[m\].
     pub point_P: Vec3,
     /// Direction out of its skin there, in the palm's frame.
     pub normal_P: Vec3,
-    /// What targets are ahead of the pad, so that the pad itself is where it should be, in the
+    /// Lead of the targets over the pad that brings the pad itself where it should be, in the
     /// palm's frame \[m\].
     pub lead_P: Vec3,
-    /// What its targets make for \[rad\].
+    /// Angles that its targets make for \[rad\].
     pub goal: Angles,
     /// Targets of the joint angles \[rad\].
     pub angles: Angles,
@@ -78,7 +78,7 @@ impl Default for PadMemory {
 /// No palm is so far aside \[m\], nor so fast on its way there \[m/s\].
 const ASIDE_MAX: f64 = 1.0;
 
-/// How a grip answers to load. Came later to the form of a keyframe than the rest, and stands
+/// Response of a grip to load. Came later to the form of a keyframe than the rest, and stands
 /// behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reflex {
@@ -88,16 +88,15 @@ pub struct Reflex {
     pub wanted: f64,
     /// Part of what friction can give that the side with less in hand uses up.
     pub used: f64,
-    /// How much farther than the others each pad is pushed in, so that it bears its share \[m\].
+    /// Depth by which each pad is pushed in beyond the others, so that it bears its share \[m\].
     pub further: [f64; PADS_MAX],
-    /// How far the palm is to go aside of where its script or its pose has it, in its own frame
-    /// \[m\].
+    /// Goal of the palm's shift from where its script or its pose has it, in its own frame \[m\].
     pub aside_P: Vec3,
-    /// How far aside it is, and the rate \[m, m/s\].
+    /// Present shift of the palm, and its rate \[m, m/s\].
     pub shift_P: [Vec3; 2],
     /// True once the object was pressed with half of what is wanted.
     pub held: bool,
-    /// For how long it has been gone after that \[s\].
+    /// Time for which it has been gone after that \[s\].
     pub gone: f64,
 }
 
@@ -112,36 +111,36 @@ pub struct GripMemory {
     pub begun: u32,
     /// Present phase of the grip.
     pub phase: Phase,
-    /// How long it has been doing that \[s\].
+    /// Time spent in that phase \[s\].
     pub since: f64,
     /// Pads: the base's first.
     pub pads: [PadMemory; PADS_MAX],
     /// From the base to the fingers, in the palm's frame.
     pub axis_P: Vec3,
-    /// How far pads are pushed in \[m\].
+    /// Depth to which pads are pushed in \[m\].
     pub depth: f64,
     /// Sum of the normal forces of each digit (palm, thumb, index, middle, ring, little) on the
     /// object in the last step \[N\].
     pub felt: [f64; 6],
     /// Force of the two sides against each other, smoothed \[N\].
     pub force: f64,
-    /// What is amiss.
+    /// Trouble of the grip, if any.
     pub trouble: Option<Trouble>,
     /// Angles of the script in the step before \[rad\]; empty before the first.
     pub script: Vec<[f64; 2]>,
-    /// How it answers to load.
+    /// Response to load.
     #[serde(skip)]
     pub reflex: Reflex,
 }
 
 impl GripMemory {
-    /// How it answers to load, complete.
+    /// Returns the response to load, complete.
     pub fn reflex(&self) -> Reflex {
         let adapts = [self.order, self.waiting].map(|order| order.is_some_and(|o| o.adapts));
         Reflex { adapts, ..self.reflex }
     }
 
-    /// Goes on with that.
+    /// Continues with this response to load.
     pub fn set_reflex(&mut self, reflex: Reflex) {
         let orders = [&mut self.order, &mut self.waiting];
         for (order, adapts) in orders.into_iter().zip(reflex.adapts) {

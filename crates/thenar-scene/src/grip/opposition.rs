@@ -1,5 +1,5 @@
-//! How the pads of a hand stand against each other, whatever there is to grip: at every width that
-//! they span.
+//! Stance of a hand's pads against each other, whatever there is to grip: at every width that they
+//! span.
 //!
 //! ```text
 //!    thumb (or the palm, of a hook)         fingers
@@ -33,7 +33,7 @@ const ROUNDS: usize = 60;
 /// Most pads of a grip.
 pub const PADS_MAX: usize = 5;
 
-/// What opposes the fingers.
+/// Part of the hand that opposes the fingers.
 #[derive(Clone, Debug)]
 pub enum Base {
     /// The thumb.
@@ -47,7 +47,7 @@ pub enum Base {
 pub struct Opposition {
     /// Kind of grip.
     pub kind: GripKind,
-    /// What opposes the fingers.
+    /// Part of the hand that opposes the fingers.
     pub base: Base,
     /// Fingers, from the index finger outwards.
     pub fingers: Vec<Chain>,
@@ -57,11 +57,11 @@ pub struct Opposition {
     pub links: Vec<Vec<Link>>,
     /// Distance of neighbouring fingers \[m\].
     pub spacing: f64,
-    /// How pads stand, by rising width; at least one.
+    /// Stances of the pads, by rising width; at least one.
     pub spans: Vec<Span>,
 }
 
-/// How pads stand at one width, in the palm's frame.
+/// Stance of the pads at one width, in the palm's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
     /// Distance of the two sides \[m\].
@@ -139,7 +139,7 @@ impl Opposition {
         Some(own.collect())
     }
 
-    /// How many pads it has, the base's included.
+    /// Returns the number of pads, the base's included.
     pub fn pads(&self) -> usize {
         self.fingers.len() + 1
     }
@@ -158,7 +158,7 @@ impl Opposition {
         self.spans.last().map_or(0.0, |span| span.width)
     }
 
-    /// How pads stand at the width nearest to this one.
+    /// Returns the stance of the pads at the width nearest to this one.
     pub fn at(&self, width: f64) -> &Span {
         let first = self.spans[0].width;
         let k = (((width - first) / STEP).round().max(0.0) as usize).min(self.spans.len() - 1);

@@ -1,4 +1,4 @@
-//! What a hand is asked to grip.
+//! Grip that a hand is asked for.
 
 use super::kind::GripKind;
 use serde::{Deserialize, Serialize};
@@ -15,9 +15,9 @@ pub struct Order {
     pub kind: GripKind,
     /// Force with which the two sides press against each other \[N\].
     pub force: f64,
-    /// When the fingers begin to close \[s\].
+    /// Time at which the fingers begin to close \[s\].
     pub at: f64,
-    /// When they open \[s\].
+    /// Time at which they open \[s\].
     pub open: Option<f64>,
     /// The force was left open, and may rise to what the load asks. A recording keeps it elsewhere,
     /// since it came later than the rest.

@@ -19,17 +19,17 @@ use std::ops::Range;
 use thenar_core::{Pose, World};
 use thenar_track::reach::{Chain, FREEDOMS_MAX, Goal, solve};
 
-/// How far before the surface pads gather \[m\]: they clear what they go around, and are there a
-/// fifth of a second later.
+/// Distance before the surface at which pads gather \[m\]: they clear what they go around, and are
+/// there a fifth of a second later.
 pub(super) const BEFORE: f64 = 12e-3;
 /// Skin of a hook this near to the handle is on it \[m\]: contacts begin there.
 const TOUCHES: f64 = 1e-3;
-/// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with
-/// `v √(k m)` = 0.1 N.
+/// Speed at which pads go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is
+/// hard with `v √(k m)` = 0.1 N.
 const CLOSING: f64 = 0.04;
-/// How far behind the surface they look for it \[m\].
+/// Depth behind the surface to which pads look for it \[m\].
 const BEHIND: f64 = 8e-3;
-/// How fast targets make up for what pads lack \[1/s\], and by how much at most \[m\].
+/// Rate at which targets make up for what pads lack \[1/s\], and the most by which they do \[m\].
 const LEAD: (f64, f64) = (8.0, 0.015);
 /// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]:
 /// a reach takes half a second.
@@ -79,7 +79,7 @@ impl GripHand {
         memory.reflex = Reflex { wanted: order.force, aside_P, shift_P, ..Reflex::default() };
     }
 
-    /// Where pads are to go, and the palm for that.
+    /// Returns the places where pads are to go, and the palm's shift for that.
     fn choice(
         &mut self,
         opposition: &Opposition,

@@ -12,16 +12,16 @@ use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use thenar_core::World;
 
-/// A force is lacking when after so long \[s\] so much of it is not there.
+/// Time after which a force counts as lacking \[s\], and the part of it that is then not there.
 const LACKING: (f64, f64) = (2.0, 0.1);
-/// An object that was pressed with the first part of what is wanted, and after that for so long
-/// \[s\] with less than the last part, is gone: a bounce of a fingertip of 20 g on its drive of 500
-/// N/m takes a tenth of that, π √(m/k) = 20 ms.
+/// Part of the wanted force with which an object counts as held, and time \[s\] with less than the
+/// last part after which it is gone: a bounce of a fingertip of 20 g on its drive of 500 N/m takes
+/// a tenth of that, π √(m/k) = 20 ms.
 const LOST: (f64, f64, f64) = (0.5, 0.2, 0.05);
 /// A pad that was short of its place is there when it bears this part of its least share.
 const LATE: f64 = 0.5;
-/// Pads that went farther in than where they touched by so many radii of the thumb's, and feel
-/// nothing there, have nothing between them: the whole pad has passed by.
+/// Depth past the first touch, in radii of the thumb's pad, at which pads that feel nothing have
+/// nothing between them: the whole pad has passed by.
 const PASSED: f64 = 2.0;
 
 impl GripHand {
@@ -53,7 +53,8 @@ impl GripHand {
         }
     }
 
-    /// How far a pad is from its place \[m\]; `None` of one that has none, or is the palm.
+    /// Returns the distance of a pad from its place \[m\]; `None` of one that has none, or is the
+    /// palm.
     fn miss(
         &self,
         opposition: &Opposition,
@@ -68,7 +69,7 @@ impl GripHand {
         Some(((place - centre).norm() - chain.pad.radius).max(0.0))
     }
 
-    /// What is amiss where pads have met nothing.
+    /// Returns the trouble of pads that have met nothing.
     fn untouched(
         &self,
         opposition: &Opposition,
@@ -93,8 +94,8 @@ impl GripHand {
         Some(Trouble::OutOfReach { pad: short as u8, miss })
     }
 
-    /// Tells when pads are as far in as they go and bear less than was asked for, and no more of a
-    /// pad that was short of its place and bears its least share now.
+    /// Reports pads that are as far in as they go and bear less than was asked for, and drops the
+    /// report of a pad that was short of its place and bears its least share now.
     pub(super) fn tell_weak(&mut self, opposition: &Opposition, order: &Order) {
         let memory = &mut self.memory;
         if let Some(Trouble::OutOfReach { pad, .. }) = memory.trouble {
@@ -152,7 +153,7 @@ impl Reflex {
     }
 }
 
-/// Tells that the object is gone, and why, unless it never fitted.
+/// Reports that the object is gone, and why, unless it never fitted.
 fn lose(memory: &mut GripMemory, cause: Option<Loss>) {
     let never = matches!(
         memory.trouble,
@@ -189,8 +190,8 @@ mod tests {
         }
     }
 
-    /// What was never held is gone only where pads have passed by each other, and after the same
-    /// dwell.
+    /// An object that was never held is gone only where pads have passed by each other, and after
+    /// the same dwell.
     #[test]
     fn what_was_never_held_is_gone_when_pads_passed() {
         let mut reflex = Reflex { wanted: 1.0, ..Reflex::default() };

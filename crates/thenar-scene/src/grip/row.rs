@@ -30,15 +30,15 @@ const TURNS_DEG: [f64; 5] = [0.0, 35.0, -35.0, 70.0, -70.0];
 const EDGE: f64 = 0.25;
 /// Times that a step along the surface is made as long as fingers are apart.
 const STEPS: usize = 4;
-/// A step is as long when it is so near to that, as part of it.
+/// Error of the length of a step that is accepted, as part of it.
 const STEP_ERROR: f64 = 0.1;
 
-/// What fingers stand on: a place in their middle, and the line to it from the thumb.
+/// Ground of the fingers: a place in their middle, and the line to it from the thumb.
 #[derive(Clone, Copy)]
 pub struct Ground<'a> {
-    /// How pads stand against each other.
+    /// Pads of the grip, and their stances.
     pub opposition: &'a Opposition,
-    /// Where the object is.
+    /// World that has the object.
     pub world: &'a World,
     /// The object.
     pub object: BodyId,

@@ -1,5 +1,4 @@
-//! What can be said of an object before it is gripped: how wide it is, how hard it is to be held,
-//! how far away it is.
+//! Measures of an object before it is gripped: its width, the force that holds it, its distance.
 
 use super::kind::GripKind;
 use super::surface::{nearest, sample, through};

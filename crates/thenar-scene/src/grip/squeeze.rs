@@ -1,4 +1,4 @@
-//! How hard pads push in: a law on the force that is felt.
+//! Depth to which pads push in: a law on the force that is felt.
 //!
 //! The pads' targets lie `u` inside where they touched. Force grows with `u` by a stiffness that
 //! depends on drives, joints, flesh and object, and is not known; what is known is a bound of it,
@@ -21,7 +21,7 @@ pub const RATE: f64 = 8.0;
 /// Fastest push \[m/s\]: as fast as pads close.
 const SPEED: f64 = 0.04;
 /// Fastest push, and way back, of pads that press \[m/s\]; where things are hard, gaps in force
-/// below 4 N never ask for so much. A loaf that gives way by 30 mm is held within a second, as
+/// below 4 N never ask for that speed. A loaf that gives way by 30 mm is held within a second, as
 /// people hold one.
 const PRESSING: f64 = 0.08;
 /// The secant counts from here on \[m\]; before it says nothing.
@@ -30,8 +30,8 @@ const SECANT_FROM: f64 = 2e-4;
 const PRESSES: f64 = 0.1;
 /// No object is softer than this part of the drives.
 const SOFTEST: f64 = 1.0 / 32.0;
-/// How far in pads are pushed, and how far out where the first touch was too hard \[m\]: half a
-/// finger, and the depth of a pad.
+/// Range of the depth to which pads are pushed in \[m\]: out by the depth of a pad, where the first
+/// touch was too hard, to in by half a finger.
 pub const RANGE: [f64; 2] = [-5e-3, 0.06];
 
 /// Depth `u` \[m\] after a step of `h` \[s\], with `felt` of the `wanted` force \[N\] and drives
@@ -55,11 +55,11 @@ fn speed_for(gap: f64, stiffness: f64, h: f64) -> f64 {
     RATE.min(0.5 / h) * gap / stiffness
 }
 
-/// Force is kept at so many times what would slip. People keep to the same where things get heavier
-/// or slipperier in their fingers [Johansson and Westling 1984].
+/// Ratio of the force that is kept to the one that would slip. People keep to the same where things
+/// get heavier or slipperier in their fingers [Johansson and Westling 1984].
 const SAFETY: f64 = 1.5;
-/// A force that adapts rises to so many times what was foreseen at most: what still slips then does
-/// not lack force.
+/// Largest ratio of a force that adapts to the one foreseen: what still slips then does not lack
+/// force.
 const RISE_MAX: f64 = 4.0;
 /// Time in which a force that rose falls again \[s\]. People let go slowly what threatened to slip.
 const FALL: f64 = 1.0;
@@ -67,10 +67,10 @@ const FALL: f64 = 1.0;
 /// Time in which pads come to press harder before the load comes \[s\]: that of [`RATE`].
 const READY: f64 = 1.0 / RATE;
 
-/// Force that is wanted after a step of `h` \[s\] \[N\], where pads press with `force`. `begins` is
-/// what was foreseen, `margin` how many times that is what keeps the object from slipping between
-/// pads that press straight. Until the object is carried, so many times are kept that it is that of
-/// pads at their slant; from then on what the load asks.
+/// Returns the force that is wanted after a step of `h` \[s\] \[N\], where pads press with `force`.
+/// `begins` is the force foreseen, `margin` its ratio to the one that keeps the object from
+/// slipping between pads that press straight. Until the object is carried, pads at their slant keep
+/// that ratio, too; from then on the load sets the force.
 pub fn wanted(before: f64, [begins, margin]: [f64; 2], force: f64, used: Use, h: f64) -> f64 {
     let most = RISE_MAX * begins;
     let asked = (SAFETY * used.load * force).min(most);
@@ -94,17 +94,17 @@ pub fn least_share(count: usize) -> f64 {
     if count == 2 { LEAST_SHARE_OF_TWO } else { LEAST_SHARE }
 }
 
-/// How much farther than the others one is pushed at most, once it is where it was to touch \[m\]:
-/// half as thick as a finger is.
+/// Limit of the depth by which one finger is pushed in beyond the others, once it is where it was
+/// to touch \[m\]: half as thick as a finger is.
 pub const FURTHER_MAX: f64 = 8e-3;
 /// Below this part of its least share a finger touches nothing yet.
 const TOUCHES: f64 = 0.1;
 
-/// How much farther than the others a finger is pushed in after a step of `h` \[s\], `most` \[m\]
-/// at most, when it bears `felt`, all together bear `mean` each \[N\], of which it is to bear the
-/// part `least`, and meet a [`slope`], of which one finger's is a part; less again when it bears
-/// more than the mean. One that bears its share is left alone: were each finger to have a force of
-/// its own, an object would wander that its weight presses on one side.
+/// Returns the depth by which a finger is pushed in beyond the others after a step of `h` \[s\],
+/// `most` \[m\] at most, when it bears `felt`, all together bear `mean` each \[N\], of which it is
+/// to bear the part `least`, and meet a [`slope`], of which one finger's is a part; less again when
+/// it bears more than the mean. One that bears its share is left alone: were each finger to have a
+/// force of its own, an object would wander that its weight presses on one side.
 pub fn further(
     before: f64,
     felt: f64,
@@ -151,7 +151,7 @@ mod tests {
             let aslant = after(3.0, Use { slant: 0.5, ..Use::default() });
             assert!((aslant - 4.0).abs() < 1e-3, "{aslant}");
             let under_load = (0..(2f64.ln() / h).round() as usize).fold(2.0, |before, _| {
-                // Of what a force gives, a load whose slip limit is 1 N uses up so much.
+                // A load whose slip limit is 1 N uses up this part of what a force gives.
                 wanted(
                     before,
                     [2.0, 2.0],

@@ -55,7 +55,7 @@ pub struct Sample {
 }
 
 impl Anchor {
-    /// Where it is now, world: place and outward normal.
+    /// Returns its present place and outward normal, world.
     pub fn now(&self, world: &World) -> (Vec3, Vec3) {
         match self {
             Self::Rigid { body, point_B, normal_B } => {
@@ -98,8 +98,8 @@ pub fn sample(world: &World, of: BodyId, centre: &Vec3, radius: f64, out: &mut V
     }
 }
 
-/// Where a line from a place of the surface, inwards along `way` (a unit vector), leaves the body
-/// again.
+/// Returns the place where a line from a place of the surface, inwards along `way` (a unit vector),
+/// leaves the body again.
 pub fn through(world: &World, from: &Sample, way: &Vec3) -> Option<Sample> {
     match from.anchor {
         Anchor::Rigid { body, .. } => through_rigid(world, body, &from.point, way),
@@ -290,8 +290,8 @@ fn through_soft(world: &World, body: u32, from: &Vec3, way: &Vec3) -> Option<Sam
     })
 }
 
-/// Where a line cuts a triangle: how far along it, and barycentric weights [Möller and Trumbore
-/// 1997].
+/// Cuts a triangle with a line: parameter along the line, and barycentric weights [Möller and
+/// Trumbore 1997].
 fn cut(from: &Vec3, way: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<(f64, [f64; 3])> {
     let (e, f) = (b - a, c - a);
     let p = way.cross(&f);

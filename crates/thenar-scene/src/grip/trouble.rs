@@ -4,19 +4,19 @@ use super::loss::Loss;
 use super::opposition::Opposition;
 use serde::{Deserialize, Serialize};
 
-/// What is amiss with a grip. Lengths in m, forces in N.
+/// Trouble of a grip. Lengths in m, forces in N.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Trouble {
     /// The object is wider than the pads open, wherever they could go.
     TooLarge {
         /// Least width of the object where the hand is.
         width: f64,
-        /// What the pads span.
+        /// Width that the pads span.
         opening: f64,
     },
     /// No two places of the object near the hand face away from each other.
     NoOpposite {
-        /// What the pads span.
+        /// Width that the pads span.
         opening: f64,
     },
     /// The object is nowhere near the pads.
@@ -28,7 +28,7 @@ pub enum Trouble {
     OutOfReach {
         /// Number of the pad: the base 0, the fingers from 1.
         pad: u8,
-        /// How far it ends from there.
+        /// Distance at which it ends from there.
         miss: f64,
     },
     /// The fingers are closed as far as they go, and bear less than asked.
@@ -55,18 +55,18 @@ pub enum Trouble {
     Wide {
         /// Width of the object where pads go.
         width: f64,
-        /// What the pads span.
+        /// Width that the pads span.
         opening: f64,
         /// Number of the pad: the base 0, the fingers from 1.
         pad: u8,
-        /// How far it ends from its place.
+        /// Distance at which it ends from its place.
         miss: f64,
     },
     /// The object was held, and has slipped out for a cause that is known.
     LostFor {
         /// Force that was wanted last.
         wanted: f64,
-        /// Why.
+        /// Cause of the slip.
         cause: Loss,
     },
 }

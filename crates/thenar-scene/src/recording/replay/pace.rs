@@ -73,7 +73,7 @@ impl Pace {
             return false;
         }
         let Some(mut simulated) = self.simulated else { return true };
-        // Summed up as it was while recording; so many steps take a few milliseconds.
+        // Summed up as it was while recording; `UNMARKED_MAX` steps take a few milliseconds.
         (0..steps.min(UNMARKED_MAX)).for_each(|_| simulated += h);
         let expected = (simulated * 1e9).round() as u64;
         // A sum of n numbers is off by n roundings at most.
