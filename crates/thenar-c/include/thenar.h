@@ -18,7 +18,8 @@ typedef enum ThenarStatus {
    */
   THENAR_STATUS_OK = 0,
   /*
-   A pointer is null or not aligned, a size does not fit, text is not UTF-8, or there is no such body or hand.
+   A pointer is null or not aligned, a size does not fit, text is not UTF-8, or there is no
+   such body or hand.
    */
   THENAR_STATUS_ARGUMENT = 1,
   /*
@@ -179,8 +180,8 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Numbers of rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands. Pass NULL for
- what is not wanted.
+ Numbers of rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and
+ hands. Pass NULL for what is not wanted.
 
  # Safety
  `world` is NULL or a live handle; the others are NULL or have room for a number.
@@ -191,8 +192,8 @@ enum ThenarStatus thenar_world_counts(const struct ThenarWorld *world,
                                       size_t *hands);
 
 /*
- The name of a rigid body; of a bone `hand/bone`. It stays until the world is freed. Contacts tell bodies by their
- place in the rigid bodies, then the deformable ones.
+ The name of a rigid body; of a bone `hand/bone`. It stays until the world is freed. Contacts
+ tell bodies by their place in the rigid bodies, then the deformable ones.
 
  # Safety
  `world` is NULL or a live handle; `name` has room for a pointer.
@@ -216,8 +217,8 @@ enum ThenarStatus thenar_soft_name(const struct ThenarWorld *world, size_t soft,
 enum ThenarStatus thenar_hand_name(const struct ThenarWorld *world, size_t hand, const char **name);
 
 /*
- Pose of a rigid body's frame, whose origin is the centre of mass, in the world: position [m], quaternion x, y, z, w.
- `room` is 7.
+ Pose of a rigid body's frame, whose origin is the centre of mass, in the world: position [m],
+ quaternion x, y, z, w. `room` is 7.
 
  # Safety
  `world` is NULL or a live handle; `pose` is NULL or has room for `room` numbers.
@@ -225,7 +226,8 @@ enum ThenarStatus thenar_hand_name(const struct ThenarWorld *world, size_t hand,
 enum ThenarStatus thenar_rigid_pose(const struct ThenarWorld *world, size_t rigid, double *pose, size_t room);
 
 /*
- Velocity of a rigid body's centre of mass [m/s], then its angular velocity [rad/s], world. `room` is 6.
+ Velocity of a rigid body's centre of mass [m/s], then its angular velocity [rad/s], world.
+ `room` is 6.
 
  # Safety
  `world` is NULL or a live handle; `velocity` is NULL or has room for `room` numbers.
@@ -233,8 +235,8 @@ enum ThenarStatus thenar_rigid_pose(const struct ThenarWorld *world, size_t rigi
 enum ThenarStatus thenar_rigid_velocity(const struct ThenarWorld *world, size_t rigid, double *velocity, size_t room);
 
 /*
- Nodes of a deformable body's tetrahedra, world, three numbers each [m]. `*count` gets how many numbers there are;
- `out`, unless it is NULL, gets them, and `room` says how many it can take.
+ Nodes of a deformable body's tetrahedra, world, three numbers each [m]. `*count` gets how many
+ numbers there are; `out`, unless it is NULL, gets them, and `room` says how many it can take.
 
  # Safety
  `world` is NULL or a live handle; `out` is NULL or has room for `room` numbers, `count` for one.
@@ -246,8 +248,8 @@ enum ThenarStatus thenar_soft_nodes(const struct ThenarWorld *world,
                                     size_t *count);
 
 /*
- Vertices of a deformable body's surface that touches, world, three numbers each [m]. `out`, `room` and `count` are as
- of `thenar_soft_nodes`.
+ Vertices of a deformable body's surface that touches, world, three numbers each [m]. `out`,
+ `room` and `count` are as of `thenar_soft_nodes`.
 
  # Safety
  As of `thenar_soft_nodes`.
@@ -259,8 +261,8 @@ enum ThenarStatus thenar_soft_vertices(const struct ThenarWorld *world,
                                        size_t *count);
 
 /*
- Contact force on each vertex of a deformable body's surface in the last step, world, three numbers each [N]. `out`,
- `room` and `count` are as of `thenar_soft_nodes`.
+ Contact force on each vertex of a deformable body's surface in the last step, world, three
+ numbers each [N]. `out`, `room` and `count` are as of `thenar_soft_nodes`.
 
  # Safety
  As of `thenar_soft_nodes`.
@@ -272,8 +274,9 @@ enum ThenarStatus thenar_soft_vertex_forces(const struct ThenarWorld *world,
                                             size_t *count);
 
 /*
- Corners of the triangles of a deformable body's surface, three places in its vertices each, counter-clockwise from
- outside. They never change. `out`, `room` and `count` are as of `thenar_soft_nodes`.
+ Corners of the triangles of a deformable body's surface, three places in its vertices each,
+ counter-clockwise from outside. They never change. `out`, `room` and `count` are as of
+ `thenar_soft_nodes`.
 
  # Safety
  As of `thenar_soft_nodes`.
@@ -285,17 +288,19 @@ enum ThenarStatus thenar_soft_triangles(const struct ThenarWorld *world,
                                         size_t *count);
 
 /*
- Words of the last refusal in this thread, UTF-8; empty when there was none. They stay until the next refusal in
- this thread: copy what is to be kept.
+ Words of the last refusal in this thread, UTF-8; empty when there was none. They stay until the
+ next refusal in this thread: copy what is to be kept.
  */
 const char *thenar_last_error(void);
 
 /*
- Contact points of the last step. `*count` gets how many there are; `contacts`, unless it is NULL, gets them, and
- `room` says how many it can take. There are none after a reset or a state, until the next step.
+ Contact points of the last step. `*count` gets how many there are; `contacts`, unless it is
+ NULL, gets them, and `room` says how many it can take. There are none after a reset or a state,
+ until the next step.
 
  # Safety
- `world` is NULL or a live handle; `contacts` is NULL or has room for `room` contacts, `count` for a number.
+ `world` is NULL or a live handle; `contacts` is NULL or has room for `room` contacts, `count`
+ for a number.
  */
 enum ThenarStatus thenar_world_contacts(const struct ThenarWorld *world,
                                         struct ThenarContact *contacts,
@@ -303,7 +308,8 @@ enum ThenarStatus thenar_world_contacts(const struct ThenarWorld *world,
                                         size_t *count);
 
 /*
- Loads on palm, thumb, index, middle, ring and little finger of a hand in the last step. `room` is 6.
+ Loads on palm, thumb, index, middle, ring and little finger of a hand in the last step. `room`
+ is 6.
 
  # Safety
  `world` is NULL or a live handle; `loads` is NULL or has room for `room` loads.
@@ -314,12 +320,14 @@ enum ThenarStatus thenar_hand_loads(const struct ThenarWorld *world,
                                     size_t room);
 
 /*
- Follows a wrist (7 numbers, as of `thenar_hand_wrist`) and twenty angles (as of `thenar_hand_angles`) from the next
- step on, as `thenar serve` follows a headset: smoothed, followed at limited speed, and lost when nothing comes for 0.1 s.
- `time`: when the pose was taken, by any clock [s]. Angles out of range are brought to its end.
+ Follows a wrist (7 numbers, as of `thenar_hand_wrist`) and twenty angles (as of
+ `thenar_hand_angles`) from the next step on, as `thenar serve` follows a headset: smoothed,
+ followed at limited speed, and lost when nothing comes for 0.1 s. `time`: when the pose was
+ taken, by any clock [s]. Angles out of range are brought to its end.
 
  # Safety
- `world` is NULL or a live handle; `wrist` and `angles` are NULL or of as many numbers as their counts say.
+ `world` is NULL or a live handle; `wrist` and `angles` are NULL or of as many numbers as their
+ counts say.
  */
 enum ThenarStatus thenar_hand_follow_angles(const struct ThenarWorld *world,
                                             size_t hand,
@@ -330,11 +338,12 @@ enum ThenarStatus thenar_hand_follow_angles(const struct ThenarWorld *world,
                                             size_t angles_count);
 
 /*
- Follows the 25 joints of WebXR Hand Input from the next step on, seven numbers each, as `thenar_hand_follow_angles`
- follows angles. `radii`: 25 of them [m], or NULL and 0.
+ Follows the 25 joints of WebXR Hand Input from the next step on, seven numbers each, as
+ `thenar_hand_follow_angles` follows angles. `radii`: 25 of them [m], or NULL and 0.
 
  # Safety
- `world` is NULL or a live handle; `joints` and `radii` are NULL or of as many numbers as their counts say.
+ `world` is NULL or a live handle; `joints` and `radii` are NULL or of as many numbers as their
+ counts say.
  */
 enum ThenarStatus thenar_hand_follow_joints(const struct ThenarWorld *world,
                                             size_t hand,
@@ -361,8 +370,8 @@ enum ThenarStatus thenar_hand_lose(const struct ThenarWorld *world, size_t hand)
 enum ThenarStatus thenar_hand_follow_script(const struct ThenarWorld *world, size_t hand);
 
 /*
- Pose of a hand's wrist in the world: position [m], quaternion x, y, z, w; -z towards the fingers, +y out of the back.
- `room` is 7.
+ Pose of a hand's wrist in the world: position [m], quaternion x, y, z, w; -z towards the
+ fingers, +y out of the back. `room` is 7.
 
  # Safety
  `world` is NULL or a live handle; `wrist` is NULL or has room for `room` numbers.
@@ -370,8 +379,8 @@ enum ThenarStatus thenar_hand_follow_script(const struct ThenarWorld *world, siz
 enum ThenarStatus thenar_hand_wrist(const struct ThenarWorld *world, size_t hand, double *wrist, size_t room);
 
 /*
- The twenty angles of a hand [rad]; NaN for a joint that it lacks. For each finger, thumb first: flexion and spread of
- its base joint, then flexion of its second and third. `room` is 20.
+ The twenty angles of a hand [rad]; NaN for a joint that it lacks. For each finger, thumb first:
+ flexion and spread of its base joint, then flexion of its second and third. `room` is 20.
 
  # Safety
  `world` is NULL or a live handle; `angles` is NULL or has room for `room` numbers.
@@ -379,12 +388,14 @@ enum ThenarStatus thenar_hand_wrist(const struct ThenarWorld *world, size_t hand
 enum ThenarStatus thenar_hand_angles(const struct ThenarWorld *world, size_t hand, double *angles, size_t room);
 
 /*
- Poses of a hand's bones in the world, the palm first, seven numbers each: position [m], quaternion x, y, z, w; -z along
- the bone away from the wrist, +y out of the back. `*count` gets how many numbers there are; `poses`, unless it is NULL,
- gets them, and `room` says how many it can take.
+ Poses of a hand's bones in the world, the palm first, seven numbers each: position [m],
+ quaternion x, y, z, w; -z along the bone away from the wrist, +y out of the back. `*count` gets
+ how many numbers there are; `poses`, unless it is NULL, gets them, and `room` says how many it
+ can take.
 
  # Safety
- `world` is NULL or a live handle; `poses` is NULL or has room for `room` numbers, `count` for one.
+ `world` is NULL or a live handle; `poses` is NULL or has room for `room` numbers, `count` for
+ one.
  */
 enum ThenarStatus thenar_hand_bone_poses(const struct ThenarWorld *world,
                                          size_t hand,
@@ -393,8 +404,9 @@ enum ThenarStatus thenar_hand_bone_poses(const struct ThenarWorld *world,
                                          size_t *count);
 
 /*
- Opens a scene file. `overrides`: `overrides_count` texts such as `solver.cone="circular"`, as `--set` of the program;
- NULL and 0 for none. `*world` gets the handle, which `thenar_world_free` frees.
+ Opens a scene file. `overrides`: `overrides_count` texts such as `solver.cone="circular"`, as
+ `--set` of the program; NULL and 0 for none. `*world` gets the handle, which `thenar_world_free`
+ frees.
 
  # Safety
  `file` and each override end with a NUL; `world` has room for a pointer.
@@ -416,8 +428,8 @@ enum ThenarStatus thenar_world_open_named(const char *name,
                                           struct ThenarWorld **world);
 
 /*
- Opens a scene's text. `file` names it in messages; files that the scene names are looked for in its folder. Else as
- `thenar_world_open`.
+ Opens a scene's text. `file` names it in messages; files that the scene names are looked for in
+ its folder. Else as `thenar_world_open`.
 
  # Safety
  `text`, `file` and each override end with a NUL; `world` has room for a pointer.
@@ -450,8 +462,8 @@ uint32_t thenar_abi_version(void);
 enum ThenarStatus thenar_world_step(const struct ThenarWorld *world, uint64_t steps, struct ThenarReport *report);
 
 /*
- Back to the start: time 0, bodies in their start states, scripts from the beginning. Settings stay, and so does who
- moves the hands.
+ Back to the start: time 0, bodies in their start states, scripts from the beginning. Settings
+ stay, and so does who moves the hands.
 
  # Safety
  `world` is NULL or a live handle.
@@ -459,8 +471,8 @@ enum ThenarStatus thenar_world_step(const struct ThenarWorld *world, uint64_t st
 enum ThenarStatus thenar_world_reset(const struct ThenarWorld *world);
 
 /*
- Simulated time since the start [s], time step [s], steps since the start, and a hash of every bit of the state, as
- recordings have it. What is not wanted is NULL.
+ Simulated time since the start [s], time step [s], steps since the start, and a hash of every
+ bit of the state, as recordings have it. What is not wanted is NULL.
 
  # Safety
  `world` is NULL or a live handle; the others are NULL or have room for a number.
@@ -488,11 +500,12 @@ enum ThenarStatus thenar_world_set(const struct ThenarWorld *world, const char *
 enum ThenarStatus thenar_world_set_word(const struct ThenarWorld *world, const char *key, const char *word);
 
 /*
- Everything that the next steps depend on, as bytes. `*count` gets how many there are; `state`, unless it is NULL, gets
- them, and `room` says how many it can take.
+ Everything that the next steps depend on, as bytes. `*count` gets how many there are; `state`,
+ unless it is NULL, gets them, and `room` says how many it can take.
 
  # Safety
- `world` is NULL or a live handle; `state` is NULL or has room for `room` bytes, `count` for a number.
+ `world` is NULL or a live handle; `state` is NULL or has room for `room` bytes, `count` for a
+ number.
  */
 enum ThenarStatus thenar_world_state(const struct ThenarWorld *world, uint8_t *state, size_t room, size_t *count);
 
