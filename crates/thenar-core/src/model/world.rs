@@ -37,8 +37,8 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// Usual damping time of the springs \[s\]: far shorter than motions of a hand, which keep their
-    /// speed.
+    /// Usual damping time of the springs \[s\]: far shorter than motions of a hand, which keep
+    /// their speed.
     pub const DAMPING_TIME: f64 = 1e-3;
 }
 
@@ -171,11 +171,11 @@ pub struct SolverSettings {
     /// motion that a step does not foresee, as other contacts make it: a millimetre is 6 cm/s at 60
     /// steps a second. A wider one costs constraints that bear nothing.
     pub contact_margin: f64,
-    /// A step that contact does not carry through (an overlap grows in it by half the margin or half
-    /// the thickness of a thin rigid body, or it is off by a hundred tolerances) is made in halves, and these again, at most this many times:
-    /// see `World::step`. By default the shortest part of a step at 60 Hz is half a millisecond:
-    /// jammed hands obey the law of contact in steps of 1 ms, and miss it by up to a metre per
-    /// second in parts of 2 ms.
+    /// A step that contact does not carry through (an overlap grows in it by half the margin or
+    /// half the thickness of a thin rigid body, or it is off by a hundred tolerances) is made in
+    /// halves, and these again, at most this many times: see `World::step`. By default the shortest
+    /// part of a step at 60 Hz is half a millisecond: jammed hands obey the law of contact in steps
+    /// of 1 ms, and miss it by up to a metre per second in parts of 2 ms.
     pub step_halvings_max: u32,
 }
 

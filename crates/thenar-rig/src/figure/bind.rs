@@ -152,7 +152,8 @@ mod tests {
         assert!((got[1] - 0.25).abs() < 1e-9, "{got:?}");
     }
 
-    /// Weights on bones that are not joined cannot be kept: the best pair is, and the rest is reported.
+    /// Weights on bones that are not joined cannot be kept: the best pair is, and the rest is
+    /// reported.
     #[test]
     fn the_best_pair_of_joined_bones_is_kept() {
         let weights = BTreeMap::from([(0, 0.5), (1, 0.2), (2, 0.3)]);

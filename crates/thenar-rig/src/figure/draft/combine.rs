@@ -11,7 +11,8 @@ use thenar_input::quoted;
 /// \[rad\]; what is less is round-off and is not told.
 const EXACTNESS: f64 = 1e-6;
 /// Hinges that pass each other within this part of the figure's size meet halfway, which is
-/// reported: the two axes of an ankle lie 10 to 40 mm apart in descriptions of people of 1.4 to 1.8 m.
+/// reported: the two axes of an ankle lie 10 to 40 mm apart in descriptions of people of 1.4 to 1.8
+/// m.
 const PASSING: f64 = 0.05;
 
 /// The joint that a chain of joints makes, and what to tell of it; `frame` turns the frame of a

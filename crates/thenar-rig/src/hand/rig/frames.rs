@@ -13,7 +13,8 @@ use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 /// A joint's -z may be off the line to the next joint by this (cosine of 45°).
 const ALONG_MIN: f64 = 0.707;
-/// Least bend towards the palm, of directions' parts along its normal, from which a side is inferred.
+/// Least bend towards the palm, of directions' parts along its normal, from which a side is
+/// inferred.
 const BEND_MIN: f64 = 0.08;
 /// Flexion axis of a right hand's thumb in the wrist's frame, where the thumb is too straight to
 /// say: the mean of the three joints of the WebXR generic hand.
