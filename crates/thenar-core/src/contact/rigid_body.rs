@@ -147,7 +147,7 @@ pub(crate) struct Placed {
     pub turn: f64,
     /// Box around the shape during the step.
     pub swept_W: Aabb,
-    /// The same, without the way that led here.
+    /// Box around the shape at the end of its way, without the way that led there.
     pub end_W: Aabb,
 }
 
