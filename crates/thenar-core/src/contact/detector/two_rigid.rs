@@ -15,7 +15,7 @@ const LOOKS_MAX: f64 = 64.0;
 /// Two rigid bodies and their numbers.
 pub(super) struct TwoRigid<'a> {
     bodies: [(&'a RigidBody, u32); 2],
-    /// That of the thinner one \[m\]; unbounded beside a plane, which nothing comes through.
+    /// Thickness of the thinner one \[m\]; unbounded beside a plane, which nothing comes through.
     thickness: f64,
 }
 
