@@ -43,6 +43,15 @@ pub struct Side {
     patch: Option<(Vec3, Vec3)>,
 }
 
+impl Side {
+    /// Direction along the side that comes nearest to one: friction acts along sides. Where a side
+    /// faces that direction none is nearest, and the direction itself is returned.
+    fn along(&self, way: &Vec3) -> Vec3 {
+        let axis = self.patch.map_or(Vec3::zeros(), |(_, axis)| axis);
+        (way - axis * axis.dot(way)).try_normalize(1e-6).unwrap_or(*way)
+    }
+}
+
 /// Sums up contact and friction on the digits `own` of a side. Forces within a side that cancel
 /// count for nothing.
 pub fn side(world: &World, hand: &BuiltHand, against: Against, own: [bool; 6]) -> Side {
@@ -102,7 +111,7 @@ pub fn foreseen(sides: &[Side; 2], down: &Vec3) -> f64 {
         let along = axis.dot(&way);
         let given = along.max(0.0) * side.most[0];
         let aside_W = (way - axis * along) * side.load;
-        if aside_W.norm() < given { 1.0 - left(&(aside_W / given), down) } else { 1.0 }
+        if aside_W.norm() < given { 1.0 - left(&(aside_W / given), &side.along(down)) } else { 1.0 }
     };
     slant(&sides[0], -line).max(slant(&sides[1], line))
 }
@@ -144,7 +153,7 @@ pub fn friction_used(sides: &[Side; 2], down: &Vec3) -> Use {
             let carried = own_W.norm() / side.most[0];
             pulled = pulled.max(carried / left(&aside, &towards).max(carried));
         }
-        slant = slant.max(1.0 - left(&aside, down));
+        slant = slant.max(1.0 - left(&aside, &side.along(down)));
     }
     Use { load: pulled.hypot(twisted).min(1.0), slant, carried: false }
 }
@@ -255,7 +264,8 @@ mod tests {
                 let normal_W = Vec3::new(cos * sign, sin, 0.0);
                 let load = force_W.dot(&normal_W);
                 let pull_W = force_W - normal_W * load;
-                Side { load, pull_W, force_W, most: [0.5 * load, 1.0], ..Side::default() }
+                let patch = Some((Vec3::x() * (0.01 * sign), normal_W));
+                Side { load, pull_W, force_W, most: [0.5 * load, 1.0], patch, ..Side::default() }
             })
         };
         let used = used_of(sides(0.0));
