@@ -26,18 +26,23 @@ use nalgebra::{SMatrix, SVector};
 use thenar_core::model::{Digit, HandModel};
 use thenar_core::{Pose, Quat, Vec3};
 
-/// Depth to which pads that meet press into each other \[m\]: usual drives hold the tip of a bent
-/// digit with some 330 N/m, and give 1.5 N for 4.5 mm on either side.
-const PRESS: f64 = 9e-3;
+/// Depth to which pads that meet press into each other \[m\]: pads that face each other at an angle
+/// touch some 3 mm later, and two bent digits of the usual hand, the drives of their joints (some
+/// 330 N/m at a tip) and the flesh of their pads, give 1.5 N for the 8 mm that are left (180 N/m
+/// were measured for both together).
+const PRESS: f64 = 11e-3;
 /// Gap at which pads are led by rotations alone, and from which on by each other, in sums of their
 /// radii: from a pad's breadth and a half to what trackers err by at a fingertip (some 4 mm of 17).
 const LED: [f64; 2] = [1.5, 0.25];
 /// Gap at which pads begin to press, and from which on they press fully, in sums of their radii.
 /// Between them pads touch where the tracked ones are some 5 mm apart.
 const PRESSED: [f64; 2] = [0.5, 0.1];
-/// Cosine of the angle between a pad's normal and the way to the other from which on it faces it
-/// fully: 60°.
-const FACING: f64 = 0.5;
+/// Cosines of the angle between a pad's normal and the way to the other from which on it faces it,
+/// and from which on fully. The thumb's first: people touch a finger's pad with its tip or its side
+/// as well, at right angles to its pad (headsets see some 77° in a pinch of the tips), and only its
+/// back touches nothing. A finger touches with its pad, fully up to 60°: the thumb lies along the
+/// side of a fist.
+const FACING: [[f64; 2]; 2] = [[-0.5, 0.0], [0.0, 0.5]];
 /// Stages in which digits find each other: first they turn to face as far as they can without
 /// leaving the tracked angles too far, then their pads close what is left between them.
 const STAGES: [Stage; 2] =
@@ -264,7 +269,9 @@ impl Pair {
         let gap = pads.norm() - sum;
         let Some(towards) = pads.try_normalize(1e-6) else { return Self::default() };
         let [thumb, finger] = reached.map(|reached| reached.normal.dot(&towards));
-        let weight = smooth(thumb.min(-finger) / FACING) * over(gap / sum, LED);
+        let faces = |cosine, [from, fully]: [f64; 2]| smooth((cosine - from) / (fully - from));
+        let facing = faces(thumb, FACING[0]).min(faces(-finger, FACING[1]));
+        let weight = facing * over(gap / sum, LED);
         let distance = sum + gap.max(0.0) - press * over(gap / sum, PRESSED);
         Self { weight, stand_off: radii.map(|radius| radius * distance / sum) }
     }

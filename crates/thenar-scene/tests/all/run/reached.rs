@@ -6,13 +6,14 @@ use std::path::Path;
 use thenar_core::kinematics::Tree;
 use thenar_core::model::{Digit, HandModel, Side};
 use thenar_core::world::Target;
-use thenar_core::{Pose, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_rig::hand::default_hand;
 use thenar_scene::grip::{GripKind, Opposition};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::TRACKED_JOINTS;
 use thenar_scene::session::Session;
 use thenar_scene::tuning::SettingValue;
+use thenar_track::mirrored;
 use thenar_track::reach::{Chain, PadPlace};
 
 fn alone(side: Side, more: &str) -> Session {
@@ -117,6 +118,54 @@ fn a_pinch_of_any_hand_is_one_of_ours() {
             let what =
                 format!("{side:?} {thumb} {fingers} {digit:?}: {force} N, {beside} m beside");
             assert!((1.0..4.0).contains(&force) && beside < 6e-3, "{what}");
+        }
+    }
+}
+
+/// A right hand at rest and, after an empty line, with the tips of thumb and index finger on each
+/// other, as headsets see it: the thumb's pad stands at 77° to the way to the finger's. Each line
+/// has a joint's position \[m\] and rotation (x, y, z, w).
+const PINCH_OF_TIPS: &str = include_str!("../../data/pinch-of-tips.txt");
+
+fn joints(text: &str) -> [Pose; 25] {
+    let pose = |line: &str| {
+        let n: Vec<f64> = line.split(' ').map(|n| n.parse().expect("a number")).collect();
+        let rotation = nalgebra::Quaternion::new(n[6], n[3], n[4], n[5]);
+        Pose::new(Vec3::new(n[0], n[1], n[2]), Quat::new_normalize(rotation))
+    };
+    text.lines().map(pose).collect::<Vec<_>>().try_into().expect("25 joints")
+}
+
+/// People pinch with the tip or the side of a thumb as well. On our hand pads meet nonetheless,
+/// with at least 1 N, within 4 mm of the middle of the thumb's pad and 7 mm of the finger's (its
+/// joints would have to bend as far as they can to bring it round).
+#[test]
+fn a_pinch_of_tips_is_one_of_pads() {
+    let (open, closed) = PINCH_OF_TIPS.split_once("\n\n").expect("two poses");
+    let (open, closed) = (joints(open), joints(closed));
+    for side in [Side::Right, Side::Left] {
+        let mut session = alone(side, "");
+        let (mut time, mut next) = (0.0, 0.0);
+        while time < 1.5 {
+            if time >= next {
+                let part = f64::min(time / 0.6, 1.0);
+                let joints = std::array::from_fn(|k| {
+                    let position = open[k].position.lerp(&closed[k].position, part);
+                    let rotation = open[k].rotation.slerp(&closed[k].rotation, part);
+                    let pose = Pose::new(position, rotation);
+                    if side == Side::Left { mirrored(&pose) } else { pose }
+                });
+                let pose = LivePose::Joints { joints, radii: [0.008; 25] };
+                session.live_pose(0, time, &pose).expect("a pose");
+                next += 1.0 / 90.0;
+            }
+            assert!(!session.step(&mut ()).non_finite);
+            time = session.world().time();
+        }
+        for (digit, near) in [(Digit::Thumb, 4e-3), (Digit::Index, 7e-3)] {
+            let (force, beside) = pressed(&session, digit);
+            let what = format!("{side:?} {digit:?}: {force} N, {beside} m beside");
+            assert!((1.0..3.0).contains(&force) && beside < near, "{what}");
         }
     }
 }
