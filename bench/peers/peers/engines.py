@@ -58,7 +58,7 @@ class Engine:
 def engines(step):
     """What is compared at this time step; the README says how the settings were found."""
     return [
-        Engine("Thenar exact", "thenar", {"solver": "exact"}),
+        Engine("Thenar monolithic", "thenar", {"solver": "monolithic"}),
         Engine("Thenar two-step", "thenar", {"solver": "two-step"}),
         Engine("MuJoCo", "mujoco", mujoco_settings(step)),
         Engine("Rapier", "rapier", {"ties": "springs", "dense": 0}, cases=("flesh", "bar")),

@@ -188,7 +188,7 @@ def cell(row):
 
 def reference_line(notes):
     text = (
-        f"Reference: Thenar's exact solver at {REFERENCE_STEP * 1e3:.2g} ms, "
+        f"Reference: Thenar's monolithic solver at {REFERENCE_STEP * 1e3:.2g} ms, "
         f"velocity tolerance 1e-8 m/s; tie stretch there {number(notes['stretch_rms'])} mm"
     )
     if notes.get("mujoco_rms") is not None:

@@ -66,7 +66,7 @@ enum Command {
     Hand(hand::Args),
     /// List, test, calibrate and simulate gloves and other devices of touch.
     Devices(devices::Args),
-    /// Compare the two-step scheme with the exact solver on one scene.
+    /// Compare the two-step scheme with the monolithic solver on one scene.
     Compare(compare::Args),
     /// Measure what a step costs.
     Bench(bench::Args),

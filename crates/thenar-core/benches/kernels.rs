@@ -121,7 +121,7 @@ fn assembly_of_tissue(bencher: Bencher, of: Tissue) {
         .bench_local(|| model.flesh.assemble(black_box(x), v, faded, 1e-3, row0, &mut A, &mut b));
 }
 
-const KINDS: [SolverKind; 2] = [SolverKind::TwoStep, SolverKind::Exact];
+const KINDS: [SolverKind; 2] = [SolverKind::TwoStep, SolverKind::Monolithic];
 
 /// The finger, with firm coupling and its bones driven down by this much \[m\] onto the ground.
 fn driven(cells: [usize; 3], kind: SolverKind, height: f64, down: f64) -> (World, Input) {

@@ -19,7 +19,7 @@ static ALLOCATOR: allocations::Counting = allocations::Counting;
 
 #[test]
 fn a_step_allocates_nothing() {
-    for kind in [SolverKind::TwoStep, SolverKind::Exact] {
+    for kind in [SolverKind::TwoStep, SolverKind::Monolithic] {
         steps_allocate_nothing(kind);
     }
 }

@@ -1,4 +1,4 @@
-//! Runs a job in Thenar. Setting `solver`: `exact` or `two-step`.
+//! Runs a job in Thenar. Setting `solver`: `monolithic` or `two-step`.
 
 use cpu_time::ThreadTime;
 use std::process::ExitCode;
@@ -33,8 +33,8 @@ fn run(job: &Job) -> Result<Outcome, String> {
         done.step_ms.push(start.elapsed().as_secs_f64() * 1e3);
         if report.non_finite {
             done.failure = Some(format!("diverged at step {}", i + 1));
-        } else if report.fell_back && job.word("solver", "exact") == "exact" {
-            done.failure = Some(format!("the exact solver gave up at step {}", i + 1));
+        } else if report.fell_back && job.word("solver", "monolithic") == "monolithic" {
+            done.failure = Some(format!("the monolithic solver gave up at step {}", i + 1));
         }
         let on_hand: Vec3 =
             world.contacts().iter().map(|c| toward_flesh(c.bodies, c.force_W)).sum();
@@ -93,8 +93,8 @@ fn describe(job: &Job) -> Result<WorldDesc, String> {
         time_step: job.time_step,
         ..WorldDesc::default()
     };
-    desc.solver.kind = match job.word("solver", "exact") {
-        "exact" => SolverKind::Exact,
+    desc.solver.kind = match job.word("solver", "monolithic") {
+        "monolithic" => SolverKind::Monolithic,
         "two-step" => SolverKind::TwoStep,
         other => return Err(format!("solver {other} is unknown")),
     };

@@ -147,7 +147,7 @@ fn misses(e: &Evidence) -> String {
     let (settings, worst) = (e.settings, e.summary.contact_residual_max);
     let of = of_steps(e.summary.contact_unconverged, e);
     match settings.kind {
-        SolverKind::Exact => format!(
+        SolverKind::Monolithic => format!(
             "contact missed its accuracy of {} mm/s in {of} (worst {} mm/s)",
             short(settings.velocity_tolerance * 1e3),
             short(worst * 1e3)
@@ -164,7 +164,7 @@ fn misses(e: &Evidence) -> String {
 /// change, not a speed: there small numbers mean nothing.
 fn missed(e: &Evidence) -> Option<Doubt> {
     let s = e.summary;
-    let is_small = e.settings.kind == SolverKind::Exact && s.contact_residual_max <= MISS_MAX;
+    let is_small = e.settings.kind == SolverKind::Monolithic && s.contact_residual_max <= MISS_MAX;
     if s.contact_unconverged == 0 || is_small {
         return None;
     }
@@ -279,7 +279,7 @@ mod tests {
     }
 
     fn line(summary: Summary) -> String {
-        of(&summary, SolverKind::Exact, &[], 0).line()
+        of(&summary, SolverKind::Monolithic, &[], 0).line()
     }
 
     fn touching() -> Summary {
@@ -298,7 +298,7 @@ mod tests {
     #[test]
     fn a_clean_run_is_trusted() {
         let summary = Summary { penetration_max: 1.832e-4, joint_gap_max: 4e-5, ..touching() };
-        let verdict = of(&summary, SolverKind::Exact, &[], 0);
+        let verdict = of(&summary, SolverKind::Monolithic, &[], 0);
         assert_eq!(
             verdict.line(),
             "trust: yes: contact met its accuracy in all 1000 steps; nothing was deeper than 0.184 mm"
@@ -378,7 +378,7 @@ mod tests {
             "trust: positions are doubtful: joints came apart by up to 0.12 mm"
         );
         assert_eq!(
-            of(&with(), SolverKind::Exact, &[], 3).line(),
+            of(&with(), SolverKind::Monolithic, &[], 3).line(),
             "trust: shapes are doubtful: 3 of 600 tetrahedra are inside out at the end"
         );
     }
@@ -388,7 +388,7 @@ mod tests {
     fn flesh_that_was_inside_out_for_long_is_doubted_whatever_the_end() {
         let with = |inverted_longest, inverted_tets_max, end| {
             let summary = Summary { inverted_longest, inverted_tets_max, ..touching() };
-            of(&summary, SolverKind::Exact, &[], end).line()
+            of(&summary, SolverKind::Monolithic, &[], end).line()
         };
         let short = with(9, 7, 0);
         let said =
@@ -417,7 +417,7 @@ mod tests {
     fn overlaps_at_the_start_count_from_a_millimetre() {
         let with = |depths: &[f64]| {
             let overlaps: Vec<_> = depths.iter().map(|depth| overlap(*depth)).collect();
-            of(&touching(), SolverKind::Exact, &overlaps, 0).line()
+            of(&touching(), SolverKind::Monolithic, &overlaps, 0).line()
         };
         let begin = "trust: forces are doubtful: ball and table started 9.900 mm inside each other";
         assert_eq!(with(&[9.9e-3]), begin);
@@ -434,7 +434,7 @@ mod tests {
             line(taken(10)),
             "trust: positions are doubtful: 10 of 1000 steps gave numbers that are not finite and were taken back"
         );
-        let failed = of(&taken(11), SolverKind::Exact, &[], 0);
+        let failed = of(&taken(11), SolverKind::Monolithic, &[], 0);
         assert_eq!(
             failed.line(),
             "trust: no: 11 of 1000 steps gave numbers that are not finite and were taken back"
@@ -445,7 +445,7 @@ mod tests {
     #[test]
     fn several_reasons_stand_in_one_line() {
         let summary = Summary { joint_gap_max: 1e-3, non_finite: 1, ..missing(11, 2e-3) };
-        let verdict = of(&summary, SolverKind::Exact, &[overlap(2e-3)], 1);
+        let verdict = of(&summary, SolverKind::Monolithic, &[overlap(2e-3)], 1);
         let begin = "trust: positions, forces and shapes are doubtful: 1 of 1000 steps gave ";
         assert!(verdict.line().starts_with(begin), "{}", verdict.line());
         let json = verdict.json();

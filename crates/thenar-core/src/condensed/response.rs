@@ -3,7 +3,7 @@
 use super::RigidState;
 use crate::math::{Mat3, Vec3};
 use crate::model::Drive;
-use crate::solver::exact::vectors;
+use crate::solver::monolithic::vectors;
 use fearless_simd::{Level, dispatch};
 
 /// One contact of a frame.

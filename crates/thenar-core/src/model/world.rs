@@ -117,7 +117,7 @@ pub enum FleshInStep1 {
 pub enum SolverKind {
     /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal
     /// coordinates, flesh relative to its skinned motion.
-    Exact,
+    Monolithic,
     /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
     TwoStep,
     /// Eq. 9 with its joint rows and contacts in one dense solve, which allocates and costs the
@@ -141,7 +141,7 @@ pub enum JointLimits {
 pub struct SolverSettings {
     /// Solver that steps the world.
     pub kind: SolverKind,
-    /// The exact solver's velocity error, estimated \[m/s\].
+    /// The monolithic solver's velocity error, estimated \[m/s\].
     pub velocity_tolerance: f64,
     /// Flesh in step 1.
     pub step1_flesh: FleshInStep1,
@@ -156,9 +156,9 @@ pub struct SolverSettings {
     pub contact_tolerance: f64,
     /// Most outer sweeps of constraint anticipation.
     pub contact_sweeps_max: u32,
-    /// Most multiply-adds of a step that the exact solver spends on the law of contact; it then
-    /// makes the last sweeps and reports what is left. No bound when `None`. A bound keeps a step's
-    /// cost from growing where contact is hard: see
+    /// Most multiply-adds of a step that the monolithic solver spends on the law of contact; it
+    /// then makes the last sweeps and reports what is left. No bound when `None`. A bound keeps a
+    /// step's cost from growing where contact is hard: see
     /// [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
     pub contact_work_max: Option<u64>,
     /// Projected Gauss-Seidel passes over the contacts within one outer sweep.
@@ -182,7 +182,7 @@ pub struct SolverSettings {
 impl Default for SolverSettings {
     fn default() -> Self {
         Self {
-            kind: SolverKind::Exact,
+            kind: SolverKind::Monolithic,
             velocity_tolerance: 1e-5,
             step1_flesh: FleshInStep1::Lumped,
             close_joints: true,

@@ -17,7 +17,8 @@
 //!
 //! - [`project`] makes one cheap update from the present impulse. Only its fixed point obeys the
 //!   law. The two-step scheme, the dense reference and touch use it.
-//! - [`Response::impulse`] finds the impulse that obeys the law at once. The exact solver uses it.
+//! - [`Response::impulse`] finds the impulse that obeys the law at once. The monolithic solver uses
+//!   it.
 //!
 //! No target is above zero, so that zero velocity obeys all rows and contacts cannot contradict
 //! each other: what overlaps is kept from going deeper, and moved apart by a second solve in which

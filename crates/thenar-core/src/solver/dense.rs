@@ -1,6 +1,6 @@
 //! Dense LU factorisation with partial pivoting, in place: for small or reference systems.
 
-use crate::solver::exact::vectors::dot;
+use crate::solver::monolithic::vectors::dot;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f64x8};
 use std::ops::Range;
 

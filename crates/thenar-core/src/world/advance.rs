@@ -22,7 +22,9 @@ pub fn advance(
     match solver {
         Solver::TwoStep => move_each(model, state, push, h),
         Solver::DenseReference => advance_jointed(model, state, push, h, None, scratch),
-        Solver::Exact(exact) => advance_jointed(model, state, push, h, Some(exact), scratch),
+        Solver::Monolithic(monolithic) => {
+            advance_jointed(model, state, push, h, Some(monolithic), scratch)
+        }
     }
     state.time += h;
 }
@@ -133,7 +135,7 @@ mod tests {
     #[test]
     fn bodies_go_and_turn_at_their_rates() {
         let (h, steps) = (1e-3, 500);
-        for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+        for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
             let mut desc = WorldDesc { time_step: h, ..WorldDesc::default() };
             desc.add_rigid(body(Motion::Dynamic, Vec3::z() * 4.0));
             desc.add_rigid(body(Motion::Prescribed, Vec3::new(2.0, 1.0, -3.0)));
@@ -158,7 +160,7 @@ mod tests {
     /// A push moves and turns, and leaves velocities as they are.
     #[test]
     fn a_push_is_not_kept() {
-        for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+        for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
             let mut desc = WorldDesc::default();
             desc.add_rigid(body(Motion::Dynamic, Vec3::zeros()));
             let mut world = World::new(desc).unwrap();

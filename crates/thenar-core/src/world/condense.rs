@@ -11,12 +11,12 @@ use crate::contact::Site;
 use crate::math::{Mat3, Vec3};
 use crate::model::{Drive, JointLimits, WorldDesc};
 use crate::solver::TURN_LEVER;
-use crate::solver::exact::{Accuracy, Answer, Exact, PRESSING_MAX, StepSystem};
+use crate::solver::monolithic::{Accuracy, Answer, Monolithic, PRESSING_MAX, StepSystem};
 use crate::world::parts::StepPart;
 use crate::world::readout::Readout;
 use crate::world::scheme::Solver;
 use crate::world::state::{Scratch, State};
-use crate::world::{Input, Model, World, assemble, exact};
+use crate::world::{Input, Model, World, assemble, monolithic};
 use std::cmp::Ordering;
 use std::ops::Range;
 
@@ -37,8 +37,8 @@ impl World {
     /// factor; changes nothing that is simulated, allocates nothing.
     ///
     /// Returns whether there is a response. There is none, and a haptic loop goes on as in
-    /// multirate, with another solver than the exact one, when the system cannot be factored, or
-    /// when the frame is for another number of bones.
+    /// multirate, with another solver than the monolithic one, when the system cannot be factored,
+    /// or when the frame is for another number of bones.
     pub fn condense(&mut self, bones: Range<u32>, input: &Input, to: &mut SlowToFast) -> bool {
         to.response.clear();
         let bones = bones.start as usize..(bones.end as usize).min(self.model.rigids.len());
@@ -49,10 +49,10 @@ impl World {
             *state = RigidState::of(self, b as u32);
         }
         let Self { desc, model, state, scratch, readout, solver, time_step: h, .. } = self;
-        let Solver::Exact(exact) = solver else { return false };
+        let Solver::Monolithic(monolithic) = solver else { return false };
         let mut rest = Rest { desc, model, state, scratch, readout, input, h: *h };
         rest.choose(to.response.contacts_max());
-        rest.assemble(exact);
+        rest.assemble(monolithic);
         for b in bones.clone() {
             let held = desc.drives[b].zip(input.target(b));
             let (spring, pose_WB) =
@@ -72,15 +72,22 @@ impl World {
         motion.fill(Vec3::zeros());
         let (compliance, lift, delassus) = to.response.products();
         let mut answer = Answer { bodies: compliance, lift, contacts: delassus };
-        let order =
-            exact.answer(&step, joints, (motion, REST), chosen, rows, bones.clone(), &mut answer);
+        let order = monolithic.answer(
+            &step,
+            joints,
+            (motion, REST),
+            chosen,
+            rows,
+            bones.clone(),
+            &mut answer,
+        );
         let Some(order) = order else {
             to.response.clear();
             return false;
         };
         chosen.clear();
         chosen.extend_from_slice(order);
-        exact.solve_answered(&step, &AT_REST, motion);
+        monolithic.solve_answered(&step, &AT_REST, motion);
         for b in bones.clone() {
             let parts = motion[2 * b..][..2].iter().flatten();
             to.response.rest.extend(parts.map(|rate| REST * rate));
@@ -148,13 +155,13 @@ impl Rest<'_> {
 
     /// The system whose solution is where all comes to rest under the contact forces of the last
     /// step.
-    fn assemble(&mut self, exact: &mut Exact) {
+    fn assemble(&mut self, monolithic: &mut Monolithic) {
         let Self { desc, model, state, scratch, input, .. } = self;
         scratch.before.v.copy_from_slice(&state.v);
-        exact::clear(exact, scratch);
+        monolithic::clear(monolithic, scratch);
         let rest = StepPart { h: REST, left: 0.0, reach: 0.0 };
         assemble::skeleton(desc, model, desc.solver.limits, state, input, rest, scratch);
-        exact::couple(exact, model, state, REST, &mut scratch.shares);
+        monolithic::couple(monolithic, model, state, REST, &mut scratch.shares);
         assemble::flesh(model, state, input, REST, scratch);
         // Prescribed bodies were given this input's velocities.
         state.v.copy_from_slice(&scratch.before.v);

@@ -103,9 +103,9 @@ pub enum ModelError {
         /// Name of the body.
         thing: String,
     },
-    /// Joints hold more together than the exact solver can take.
+    /// Joints hold more together than the monolithic solver can take.
     #[error(
-        "{thing} and what joints hold to it have up to {freedoms} freedoms, more than {most}: the exact solver takes the \
+        "{thing} and what joints hold to it have up to {freedoms} freedoms, more than {most}: the monolithic solver takes the \
          cube of them in time; the two-step solver takes any number (solver.kind = \"two-step\")"
     )]
     ManyFreedoms {

@@ -1,4 +1,4 @@
-//! Bound on the freedoms that the exact solver takes at once.
+//! Bound on the freedoms that the monolithic solver takes at once.
 
 use crate::model::{Motion, SolverKind, WorldDesc};
 use crate::world::ModelError;
@@ -8,9 +8,9 @@ use crate::world::ModelError;
 /// columns 48 bytes times the square.
 const TOGETHER_MAX: usize = 1000;
 
-/// Refuses trees of joints that the exact solver would take seconds a step for.
+/// Refuses trees of joints that the monolithic solver would take seconds a step for.
 pub(super) fn check(desc: &WorldDesc) -> Result<(), ModelError> {
-    if desc.solver.kind != SolverKind::Exact {
+    if desc.solver.kind != SolverKind::Monolithic {
         return Ok(());
     }
     let moves = |body: u32| desc.rigids[body as usize].motion == Motion::Dynamic;

@@ -226,7 +226,8 @@ pub struct StepReport {
     pub fell_back: bool,
     /// Conjugate-gradient iterations of step 2.
     pub cg_iterations: u32,
-    /// Relative residual they reached; with the exact solver the estimated velocity error \[m/s\].
+    /// Relative residual they reached; with the monolithic solver the estimated velocity error
+    /// \[m/s\].
     pub cg_residual: f64,
     /// Parts in which the step was made: 1 unless contact did not carry it through. Errors and
     /// depths are then the largest of any part, iterations and sweeps the sums over all, contacts
@@ -234,7 +235,7 @@ pub struct StepReport {
     pub parts: u32,
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
-    /// Relative residual that the sweeps reached; with the exact solver the estimated velocity
+    /// Relative residual that the sweeps reached; with the monolithic solver the estimated velocity
     /// error that contact leaves \[m/s\]: how far sweeps have moved a contact where they do not
     /// settle.
     pub contact_residual: f64,

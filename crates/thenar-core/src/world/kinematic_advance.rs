@@ -1,4 +1,4 @@
-//! Moves the state by its new velocities with the joints closed: what the exact solver's
+//! Moves the state by its new velocities with the joints closed: what the monolithic solver's
 //! coordinates mean over a step of any length.
 //!
 //! Velocities that obey the joints do so where the step began; bodies moved by them one by one
@@ -20,7 +20,7 @@ use crate::coupling::{Share, skin_target};
 use crate::math::{Pose, Quat, Vec3};
 use crate::skeleton::joint_block;
 use crate::solver::JointBlock;
-use crate::solver::exact::Exact;
+use crate::solver::monolithic::Monolithic;
 use crate::world::advance::move_each;
 use crate::world::assemble::joint_frames;
 use crate::world::keep_momentum::{keep_course, keep_spin};
@@ -73,7 +73,7 @@ pub fn advance_jointed(
     state: &mut State,
     push: Option<&[Vec3]>,
     h: f64,
-    exact: Option<&mut Exact>,
+    monolithic: Option<&mut Monolithic>,
     scratch: &mut Scratch,
 ) {
     let moved = &mut scratch.moved;
@@ -95,8 +95,8 @@ pub fn advance_jointed(
     moved.poses_WB.copy_from_slice(&state.poses_WB);
     moved.x.copy_from_slice(&state.x);
     model.tree.place(model, &moved.rotations_JK, &mut state.poses_WB);
-    if let Some(exact) = exact.filter(|_| !model.tree.cuts.is_empty()) {
-        close_loops(exact, model, state, scratch);
+    if let Some(monolithic) = monolithic.filter(|_| !model.tree.cuts.is_empty()) {
+        close_loops(monolithic, model, state, scratch);
     }
     let Scratch { moved, shares, .. } = scratch;
     let moved = &*moved;
@@ -109,7 +109,12 @@ pub fn advance_jointed(
 
 /// Closes the joints that the tree leaves out, by motions that the tree allows. Where a round does
 /// not bring them together (a linkage that is nearly stretched out) half of it is tried next.
-fn close_loops(exact: &mut Exact, model: &Model, state: &mut State, scratch: &mut Scratch) {
+fn close_loops(
+    monolithic: &mut Monolithic,
+    model: &Model,
+    state: &mut State,
+    scratch: &mut Scratch,
+) {
     let Scratch { moved, A, .. } = scratch;
     let (mut open, mut share) = (largest_error(model, state), 1.0);
     for _ in 0..ROUNDS_MAX {
@@ -120,7 +125,9 @@ fn close_loops(exact: &mut Exact, model: &Model, state: &mut State, scratch: &mu
             moved.joints[j] = joint_block(joint.kind, &joint_frames(model, state, j));
         }
         // The motion over a step of 1 s that would end with all joints closed.
-        let Some(motion) = exact.closing_motion(A, &moved.joints, &moved.still) else { return };
+        let Some(motion) = monolithic.closing_motion(A, &moved.joints, &moved.still) else {
+            return;
+        };
         moved.tried.copy_from_slice(&state.poses_WB);
         let spin = |b: usize| motion.offset(b)[1];
         model.tree.turn(model, &state.poses_WB, spin, share, &mut moved.rotations_JK);

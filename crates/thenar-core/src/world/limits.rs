@@ -11,7 +11,7 @@ use crate::math::Vec3;
 use crate::model::{AngleLimit, JointLimits, SolverKind, SolverSettings};
 use crate::skeleton::{AxisState, limit_spring_torque, turned_towards};
 use crate::solver::TURN_LEVER;
-use crate::solver::exact::Bound;
+use crate::solver::monolithic::Bound;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 use crate::world::{World, assemble};
@@ -86,7 +86,7 @@ fn gaps(limit: &AngleLimit, angle: f64) -> [(f64, f64); 2] {
 }
 
 impl LimitRow {
-    /// The bound as the exact solver takes it, with what it bore in the last step.
+    /// The bound as the monolithic solver takes it, with what it bore in the last step.
     pub fn bound(&self, model: &Model, state: &State, h: f64) -> Bound {
         let joint = &model.joints[self.joint as usize];
         Bound {
@@ -146,7 +146,7 @@ pub fn keep_impulses(state: &mut State, scratch: &Scratch) -> u32 {
 }
 
 /// Keeps the impulses that the springs of limits gave in a step which the two-step scheme made for
-/// the exact solver: those of the angles and rates at its end, as they are implicit.
+/// the monolithic solver: those of the angles and rates at its end, as they are implicit.
 pub fn keep_spring_impulses(model: &Model, state: &mut State, h: f64, scratch: &Scratch) {
     for (j, k, _, present) in limited(model, &scratch.axes) {
         let joint = &model.joints[j];

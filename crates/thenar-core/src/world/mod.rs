@@ -8,7 +8,6 @@ mod check;
 mod condense;
 mod energy;
 mod error;
-mod exact;
 mod fall_back;
 mod foresight;
 mod freedoms;
@@ -21,6 +20,7 @@ mod keep_swing;
 mod kinematic_advance;
 mod limits;
 mod model;
+mod monolithic;
 mod overlap;
 mod parts;
 mod push_out;
@@ -270,8 +270,8 @@ impl World {
         }
     }
 
-    /// Chooses another solver. Choosing the exact one allocates its memory, choosing another frees
-    /// it.
+    /// Chooses another solver. Choosing the monolithic one allocates its memory, choosing another
+    /// frees it.
     pub fn set_solver(&mut self, kind: SolverKind) {
         self.desc.solver.kind = kind;
         self.prepare_solver();

@@ -117,8 +117,8 @@ impl World {
             return true;
         }
         let settings = &self.desc.solver;
-        let exact = settings.kind == SolverKind::Exact;
-        let missed = exact && report.contact_residual > MISS * settings.velocity_tolerance;
+        let monolithic = settings.kind == SolverKind::Monolithic;
+        let missed = monolithic && report.contact_residual > MISS * settings.velocity_tolerance;
         // What was cut short is not made better by more of it.
         let missed = missed && !self.solver.was_cut_short();
         let unforeseen = UNFORESEEN * push_out::margin(settings);

@@ -218,7 +218,7 @@ mod tests {
     /// where it lay in the end.
     #[test]
     fn what_hovers_by_the_tolerance_keeps_its_weight() {
-        let mut world = resting(SolverKind::Exact);
+        let mut world = resting(SolverKind::Monolithic);
         let input = world.input();
         let h = world.time_step();
         let settings = world.desc().solver;
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn small_overlaps_are_undone_in_small_parts() {
         for (depth, part) in [(1.05, 0.3), (100.0, 100.0)] {
-            let mut world = resting(SolverKind::Exact);
+            let mut world = resting(SolverKind::Monolithic);
             let input = world.input();
             let slack = push_out::slack(world.time_step());
             world.state.poses_WB[1].position.y = 0.01 - depth * slack;
@@ -259,7 +259,7 @@ mod tests {
 
     #[test]
     fn impulses_that_no_sum_can_hold_are_forgotten() {
-        for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+        for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
             for size in [1e300, f64::MAX] {
                 let mut world = resting(kind);
                 let input = world.input();

@@ -2,17 +2,17 @@
 //! is the same for all of them but for these parts.
 
 use crate::model::{JointLimits, SolverKind, WorldDesc};
-use crate::solver::exact::Exact;
+use crate::solver::monolithic::Monolithic;
 use crate::solver::{Convergence, Failure};
-use crate::world::exact;
 use crate::world::model::Model;
+use crate::world::monolithic;
 use crate::world::state::{Scratch, State};
 
 /// The solver that a world's settings choose, with the memory that it alone needs.
 #[derive(Clone, Debug)]
 pub enum Solver {
-    /// Eq. 9 to a velocity tolerance (`world::exact`).
-    Exact(Box<Exact>),
+    /// Eq. 9 to a velocity tolerance (`world::monolithic`).
+    Monolithic(Box<Monolithic>),
     /// The paper's two steps (`world::two_step`).
     TwoStep,
     /// Eq. 9 in one dense piece (`world::reference`).
@@ -23,7 +23,9 @@ impl Solver {
     /// The solver of this kind for a world that may find `contacts_max` contacts.
     pub fn new(kind: SolverKind, desc: &WorldDesc, model: &Model, contacts_max: usize) -> Self {
         match kind {
-            SolverKind::Exact => Self::Exact(Box::new(exact::build(desc, model, contacts_max))),
+            SolverKind::Monolithic => {
+                Self::Monolithic(Box::new(monolithic::build(desc, model, contacts_max)))
+            }
             SolverKind::TwoStep => Self::TwoStep,
             SolverKind::DenseReference => Self::DenseReference,
         }
@@ -31,20 +33,20 @@ impl Solver {
 
     /// Starts a step in which contact may cost this many multiply-adds; no bound when `None`.
     pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
-        if let Self::Exact(exact) = self {
-            exact.begin_step(contact_work_max);
+        if let Self::Monolithic(monolithic) = self {
+            monolithic.begin_step(contact_work_max);
         }
     }
 
     /// True when contact has spent the multiply-adds that [`Solver::begin_step`] allowed it.
     pub fn was_cut_short(&self) -> bool {
-        matches!(self, Self::Exact(exact) if exact.was_cut_short())
+        matches!(self, Self::Monolithic(monolithic) if monolithic.was_cut_short())
     }
 
     /// The kind of this solver, as settings name it.
     pub fn kind(&self) -> SolverKind {
         match self {
-            Self::Exact(_) => SolverKind::Exact,
+            Self::Monolithic(_) => SolverKind::Monolithic,
             Self::TwoStep => SolverKind::TwoStep,
             Self::DenseReference => SolverKind::DenseReference,
         }

@@ -41,7 +41,9 @@ impl World {
         let settings = desc.solver;
         let mut step = Step { desc, model, state, scratch, detector, places, input, part };
         match solver {
-            Solver::Exact(exact) => fall_back::solve(exact, &settings, &mut step, timer, report),
+            Solver::Monolithic(monolithic) => {
+                fall_back::solve(monolithic, &settings, &mut step, timer, report)
+            }
             Solver::TwoStep => {
                 let mut scheme = TwoStep { settings, stands_in: false };
                 step.find_velocities(&mut scheme, timer, report)

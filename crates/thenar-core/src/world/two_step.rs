@@ -14,8 +14,8 @@ use crate::world::{assemble, limits, response};
 /// A step by the paper's scheme.
 pub struct TwoStep {
     pub settings: SolverSettings,
-    /// The step is made for the exact solver, which has failed: joints are closed, and velocities
-    /// shortened until they bring in no energy.
+    /// The step is made for the monolithic solver, which has failed: joints are closed, and
+    /// velocities shortened until they bring in no energy.
     pub stands_in: bool,
 }
 
@@ -331,8 +331,8 @@ fn anticipation_settings(settings: &SolverSettings) -> AnticipationSettings {
     }
 }
 
-/// Shortens the velocities of each island so that the step brings in no energy, as `Exact::calm`
-/// does; joint impulses, which do no work where joints hold, are left out.
+/// Shortens the velocities of each island so that the step brings in no energy, as
+/// `Monolithic::calm` does; joint impulses, which do no work where joints hold, are left out.
 fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
     let bones = scratch.b_kept.len();
     scratch.b[..bones].copy_from_slice(&scratch.b_kept);

@@ -12,7 +12,7 @@ use thenar_track::live::LivePose;
 
 /// A hand with flesh, so that frames respond.
 const FLESH: &str = "version = 1\ntime_step = 0.01\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n\
-                     tets = 200\n[solver]\nkind = \"exact\"\n";
+                     tets = 200\n[solver]\nkind = \"monolithic\"\n";
 
 /// What pulls at the finger and at the palm, to and fro; the wearer feels that, and not the hand's
 /// own flesh.

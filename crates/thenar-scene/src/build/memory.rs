@@ -5,7 +5,7 @@ use thenar_core::model::Relaxation;
 use thenar_core::shape::Shape;
 
 /// Memory of a tetrahedron while it is simulated, with its share of nodes, matrices and surface
-/// \[bytes\]: balls of 20 000 to 450 000 tetrahedra take 1200 to 1510 with the exact solver.
+/// \[bytes\]: balls of 20 000 to 450 000 tetrahedra take 1200 to 1510 with the monolithic solver.
 pub const TET_BYTES: u64 = 1600;
 /// Memory of a triangle of a rigid body's mesh, its tree and its picture included \[bytes\].
 const TRIANGLE_BYTES: u64 = 600;

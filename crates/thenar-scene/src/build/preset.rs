@@ -30,5 +30,5 @@ fn is_papers(hand: &Hand) -> bool {
 /// False with the two-step scheme, which gains energy with them.
 fn solves_springs_in_bone(scene: &Scene) -> bool {
     let kind = scene.solver.as_ref().and_then(|solver| solver.kind);
-    kind.is_none_or(|kind| kind == SolverWord::Exact)
+    kind.is_none_or(|kind| kind == SolverWord::Monolithic)
 }

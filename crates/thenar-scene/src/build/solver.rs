@@ -10,7 +10,7 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
     if let Some(kind) = t.kind {
         s.kind = match kind {
             SolverWord::TwoStep => SolverKind::TwoStep,
-            SolverWord::Exact => SolverKind::Exact,
+            SolverWord::Monolithic => SolverKind::Monolithic,
         };
     }
     if let Some(cone) = t.cone {

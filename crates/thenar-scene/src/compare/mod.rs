@@ -1,11 +1,11 @@
-//! Two solvers on one scene, side by side: the two-step scheme of the paper against the exact
+//! Two solvers on one scene, side by side: the two-step scheme of the paper against the monolithic
 //! solution of the same equations.
 //!
 //! [`Comparison`] steps two sessions of the same scene, which get the same motions and loads (and
 //! springs as joint limits, as the two-step scheme has no others), and measures after each step how
 //! far they are apart. Its [`CompareMode`] says whether each goes its own way, or both set out anew
-//! from the exact state in every step, which leaves the error of splitting alone. [`sweep`] does
-//! the latter over coupling stiffness and time step.
+//! from the monolithic state in every step, which leaves the error of splitting alone. [`sweep`]
+//! does the latter over coupling stiffness and time step.
 
 mod apart;
 mod bodies;
@@ -28,18 +28,18 @@ use thenar_core::world::{ModelError, StageTimer};
 
 /// Index of the two-step scheme wherever both are listed.
 pub const TWO_STEP: usize = 0;
-/// Index of the exact solver.
-pub const EXACT: usize = 1;
+/// Index of the monolithic solver.
+pub const MONOLITHIC: usize = 1;
 /// Names of both, in columns and reports.
-pub const SIDES: [&str; 2] = ["two-step", "exact"];
+pub const SIDES: [&str; 2] = ["two-step", "monolithic"];
 
 /// State from which each step sets out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompareMode {
     /// From where the same solver went before: how far the motions drift apart.
     Trajectories,
-    /// Both from the exact state: what one step does differently. Inner tolerances are tightened,
-    /// so that the difference is that of the schemes.
+    /// Both from the monolithic state: what one step does differently. Inner tolerances are
+    /// tightened, so that the difference is that of the schemes.
     SingleSteps,
 }
 
@@ -108,7 +108,7 @@ impl Comparison {
             let mut settings = session.world().desc().solver;
             match side {
                 TWO_STEP => scheme.apply(&mut settings),
-                _ => settings.kind = SolverKind::Exact,
+                _ => settings.kind = SolverKind::Monolithic,
             }
             // The two-step scheme knows no other; both must have the same model.
             settings.limits = JointLimits::Springs;
@@ -117,7 +117,7 @@ impl Comparison {
             }
             session.world_mut().set_solver_settings(settings)?;
         }
-        let bodies = Bodies::of(&sessions[EXACT]);
+        let bodies = Bodies::of(&sessions[MONOLITHIC]);
         if bodies.bones.is_empty() && bodies.objects.is_empty() {
             return Err(CompareError::NothingMoves);
         }
@@ -144,8 +144,8 @@ impl Comparison {
     /// finds the other's leavings in the caches. One that has diverged rests.
     pub fn step(&mut self, timers: &mut [impl StageTimer; 2]) {
         if self.mode == CompareMode::SingleSteps {
-            let [two_step, exact] = &mut self.sessions;
-            two_step.world_mut().restore(exact.world().state());
+            let [two_step, monolithic] = &mut self.sessions;
+            two_step.world_mut().restore(monolithic.world().state());
         }
         let first = (self.steps % 2) as usize;
         for side in [first, 1 - first] {
@@ -168,7 +168,7 @@ impl Comparison {
 
     fn find_divergence(&mut self) {
         let energies = [0, 1].map(|side| divergence::inner_energy(&self.sessions[side]));
-        let others: [f64; 2] = [self.watch[EXACT].energy_max, self.watch[TWO_STEP].energy_max];
+        let others: [f64; 2] = [self.watch[MONOLITHIC].energy_max, self.watch[TWO_STEP].energy_max];
         for side in 0..2 {
             if self.has_diverged(side) {
                 continue;
@@ -197,7 +197,7 @@ impl Comparison {
 
     /// True while one of them still moves.
     pub fn goes_on(&self) -> bool {
-        !(self.has_diverged(TWO_STEP) && self.has_diverged(EXACT))
+        !(self.has_diverged(TWO_STEP) && self.has_diverged(MONOLITHIC))
     }
 
     /// Name and unit of each number in [`Comparison::row`].

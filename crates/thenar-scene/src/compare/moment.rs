@@ -1,7 +1,7 @@
 //! Results of two solvers at one moment.
 
 use super::bodies::poses_apart;
-use super::{Apart, Bodies, EXACT, TWO_STEP};
+use super::{Apart, Bodies, MONOLITHIC, TWO_STEP};
 use crate::session::{HandLoad, Session};
 
 /// Both solvers at one moment, and how far they are apart.
@@ -57,11 +57,11 @@ impl Moment {
     /// Measures; `usable` says which side has a state worth it.
     pub fn of(sessions: &[Session; 2], bodies: &Bodies, usable: [bool; 2]) -> Self {
         let side = |s: usize| usable[s].then(|| SideMoment::of(&sessions[s], bodies));
-        let survivor = if usable[EXACT] { EXACT } else { TWO_STEP };
+        let survivor = if usable[MONOLITHIC] { MONOLITHIC } else { TWO_STEP };
         let mut moment = Self {
             time: sessions[survivor].world().time(),
             objects: vec![None; bodies.objects.len()],
-            sides: [side(TWO_STEP), side(EXACT)],
+            sides: [side(TWO_STEP), side(MONOLITHIC)],
             ..Self::default()
         };
         if usable != [true; 2] {
@@ -73,7 +73,7 @@ impl Moment {
         moment.rotation = Apart::over(bodies.bones.iter().map(|i| bone(i)[1]));
         moment.drive_force = Apart::over(bodies.driven.iter().map(|&i| {
             let force = |session: &Session| session.world().drive_wrench(i, session.input())[0];
-            (force(&sessions[TWO_STEP]) - force(&sessions[EXACT])).norm()
+            (force(&sessions[TWO_STEP]) - force(&sessions[MONOLITHIC])).norm()
         }));
         for (apart, object) in moment.objects.iter_mut().zip(&bodies.objects) {
             *apart = Some(object.apart(a, b));

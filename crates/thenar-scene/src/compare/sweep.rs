@@ -1,10 +1,12 @@
 //! The error of splitting over coupling stiffness and time step.
 //!
-//! For each pair of the two the exact solver brings the scene to a moment. From there, for each
-//! two-step scheme, first single steps are compared, then both go their own way, to see
+//! For each pair of the two the monolithic solver brings the scene to a moment. From there, for
+//! each two-step scheme, first single steps are compared, then both go their own way, to see
 //! whether the scheme diverges.
 
-use super::{CompareError, CompareMode, Comparison, Divergence, EXACT, Peak, Scheme, TWO_STEP};
+use super::{
+    CompareError, CompareMode, Comparison, Divergence, MONOLITHIC, Peak, Scheme, TWO_STEP,
+};
 use crate::SceneError;
 use crate::format::Scene;
 use crate::session::Session;
@@ -45,8 +47,8 @@ pub struct SweepPoint {
     /// Largest over-correction γ of a jointed bone by the paper's scheme
     /// (`World::joint_over_correction`).
     pub over_correction: f64,
-    /// By the exact solver, largest over the single steps: joint gap \[m\].
-    pub exact_joint_gap: f64,
+    /// By the monolithic solver, largest over the single steps: joint gap \[m\].
+    pub monolithic_joint_gap: f64,
     /// The schemes, in the order of [`SCHEMES`].
     pub schemes: [SchemeResult; 3],
 }
@@ -82,9 +84,9 @@ pub enum SweepError {
     /// The scene has no flesh bound to bones.
     #[error("no flesh of this scene is bound to bones, so there is no coupling to sweep")]
     NoCoupling,
-    /// The exact solver itself failed.
-    #[error("the exact solver failed at {0} N/m⁴ and a step of {1} s")]
-    Exact(f64, f64),
+    /// The monolithic solver itself failed.
+    #[error("the monolithic solver failed at {0} N/m⁴ and a step of {1} s")]
+    Monolithic(f64, f64),
 }
 
 /// Makes a sweep; `tell` hears of each point in order.
@@ -132,17 +134,17 @@ fn point(
     if start.world().model().coupling.bound.is_empty() {
         return Err(SweepError::NoCoupling);
     }
-    start.world_mut().set_solver(SolverKind::Exact);
+    start.world_mut().set_solver(SolverKind::Monolithic);
     for _ in 0..(plan.from / time_step).round() as u64 {
         if start.step(&mut ()).non_finite {
-            return Err(SweepError::Exact(stiffness, time_step));
+            return Err(SweepError::Monolithic(stiffness, time_step));
         }
     }
     let mut point = SweepPoint {
         stiffness,
         time_step,
         over_correction: over_correction(start.world()),
-        exact_joint_gap: 0.0,
+        monolithic_joint_gap: 0.0,
         schemes: [SchemeResult::default(); 3],
     };
     for ((scheme, _), measured) in SCHEMES.into_iter().zip(&mut point.schemes) {
@@ -158,9 +160,9 @@ fn point(
                     break;
                 }
             }
-            match comparison.summary().sides[EXACT].failed {
+            match comparison.summary().sides[MONOLITHIC].failed {
                 0 => Ok(comparison),
-                _ => Err(SweepError::Exact(stiffness, time_step)),
+                _ => Err(SweepError::Monolithic(stiffness, time_step)),
             }
         };
         let steps = (plan.seconds / time_step).round().max(1.0) as u64;
@@ -171,7 +173,7 @@ fn point(
         measured.drive_force = s.drive_force;
         measured.joint_gap = s.sides[TWO_STEP].joint_gap.max;
         measured.failed = s.sides[TWO_STEP].failed;
-        point.exact_joint_gap = s.sides[EXACT].joint_gap.max;
+        point.monolithic_joint_gap = s.sides[MONOLITHIC].joint_gap.max;
         let apart = run(CompareMode::Trajectories, steps.max(STEPS_MIN))?;
         measured.diverged = apart.summary().sides[TWO_STEP].diverged;
         measured.drift = apart.summary().position;

@@ -147,7 +147,7 @@ table! {
         /// Source of those values of `tets`, `detail`, `coupling` and `springs` that are not given,
         /// when the model is built from a mesh. Default "touch"; "paper" where the scene says what
         /// is about the paper's hand: `tets`, `coupling = "uniform"`, `coupling_stiffness` without
-        /// `coupling`, or a `solver.kind` other than "exact".
+        /// `coupling`, or a `solver.kind` other than "monolithic".
         preset: Option<PresetWord>;
         /// Tetrahedra wanted, all of one size, when the model is built from a mesh; the springs
         /// hold what `coupling` or `preset` say, else all flesh.

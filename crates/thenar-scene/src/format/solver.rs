@@ -6,7 +6,7 @@ words! {
     /// The solver that steps the world.
     pub enum SolverWord {
         /// Eq. 9 with its joint rows and contacts, to a velocity tolerance.
-        "exact" => Exact,
+        "monolithic" => Monolithic,
         /// Skeleton first, then flesh and skeleton without joints (paper, Sec. 4).
         "two-step" => TwoStep,
     } gone {
@@ -47,9 +47,10 @@ words! {
 table! {
     /// Solver settings; what is left out keeps the library's default.
     pub struct SolverTable {
-        /// "exact" (default: joints, flesh and contact in one system) or "two-step" (the paper's).
+        /// "monolithic" (default: joints, flesh and contact in one system) or "two-step" (the
+        /// paper's).
         kind: Option<SolverWord>;
-        /// Velocity error of the exact solver [m/s]. Default 1e-5.
+        /// Velocity error of the monolithic solver [m/s]. Default 1e-5.
         velocity_tolerance: Option<f64> where TOLERANCE;
         /// Friction cone: "circular" (default) or "linearised".
         cone: Option<ConeWord>;
@@ -71,9 +72,9 @@ table! {
         contact_tolerance: Option<f64> where TOLERANCE;
         /// Most sweeps of either solver over the contacts. Default 200.
         contact_sweeps_max: Option<u32> where ITERATIONS;
-        /// Largest number of multiply-adds that the exact solver spends on the law of contact in a
-        /// step; then it makes its last sweeps and reports the error that is left. A processor core
-        /// does some 4e9 a second. Default: no bound in `thenar run`; what a core does in one
+        /// Largest number of multiply-adds that the monolithic solver spends on the law of contact
+        /// in a step; then it makes its last sweeps and reports the error that is left. A processor
+        /// core does some 4e9 a second. Default: no bound in `thenar run`; what a core does in one
         /// `time_step` where a scene runs live (`thenar serve`, `thenar touch`).
         contact_work_max: Option<f64> where WORK;
         /// Gauss-Seidel passes over the contacts within one sweep. Default 2.
@@ -81,7 +82,7 @@ table! {
         /// Points nearer than this become constraints before they touch [m]. Default 0.001.
         contact_margin: Option<f64> where MARGIN;
         /// A step that contact does not carry through (an overlap grows in it by half the margin or
-        /// half the thickness of a thin rigid body, or the exact solver is off by a hundred
+        /// half the thickness of a thin rigid body, or the monolithic solver is off by a hundred
         /// tolerances) is made in halves, and these again, at most this number of times. Zero never
         /// divides a step, which bounds its cost. Default 5.
         step_halvings_max: Option<u32> where HALVINGS;

@@ -18,7 +18,7 @@ impl Session {
             warnings.extend(on_bone.map(|hand| {
                 format!(
                     "the two-step solver gains energy at steps longer than {} ms with springs in bone, as hand `{}` \
-                     has them: choose preset = \"paper\" for the hand, or solver.kind = \"exact\"",
+                     has them: choose preset = \"paper\" for the hand, or solver.kind = \"monolithic\"",
                     1e3 * TWO_STEP_IN_BONE_MAX,
                     hand.name,
                 )
@@ -34,7 +34,7 @@ impl Session {
     pub fn notes(&self) -> Vec<String> {
         let note = |hand: &Hand| {
             format!(
-                "hand `{}` is the paper's: springs in bone need the exact solver, and the scene names no preset",
+                "hand `{}` is the paper's: springs in bone need the monolithic solver, and the scene names no preset",
                 hand.name.value
             )
         };

@@ -11,7 +11,7 @@ pub const TWO_STEP: &str = "two-step";
 /// Step 1 as in the paper.
 pub const FROZEN: &str = "two-step, frozen flesh (paper)";
 /// Joints, flesh and contact in one system.
-pub const EXACT: &str = "exact";
+pub const MONOLITHIC: &str = "monolithic";
 /// The dense reference, which a program can choose; no setting does.
 const DENSE: &str = "dense reference";
 
@@ -142,7 +142,7 @@ pub fn set_gravity(desc: &mut WorldDesc, size: f64) {
 /// The word for a solver.
 pub fn solver_word(solver: &SolverSettings) -> &'static str {
     match (solver.kind, solver.step1_flesh) {
-        (SolverKind::Exact, _) => EXACT,
+        (SolverKind::Monolithic, _) => MONOLITHIC,
         (SolverKind::DenseReference, _) => DENSE,
         (SolverKind::TwoStep, FleshInStep1::Lumped) => TWO_STEP,
         (SolverKind::TwoStep, FleshInStep1::Frozen) => FROZEN,
@@ -158,7 +158,7 @@ pub fn set_solver(desc: &mut WorldDesc, parts: &SceneBodies, word: &str) {
         return;
     }
     solver.kind = match word {
-        EXACT => SolverKind::Exact,
+        MONOLITHIC => SolverKind::Monolithic,
         _ => SolverKind::TwoStep,
     };
     solver.step1_flesh = if word == FROZEN { FleshInStep1::Frozen } else { FleshInStep1::Lumped };

@@ -27,7 +27,7 @@ pub const ALL: &[SettingDef] = &[
     SettingDef {
         key: "solver",
         label: "Solver",
-        help: "Exact solves bones, flesh and contact together. Two-step moves the bones first, \
+        help: "Monolithic solves bones, flesh and contact together. Two-step moves the bones first, \
                then bones and flesh. With frozen flesh the first step is the paper's, which flies \
                apart unless the flesh is bound softly: lower \"Flesh on bone\" to its least first, \
                and restart afterwards. Two-step is offered for the paper's hand alone: where flesh \
@@ -219,7 +219,7 @@ pub fn range_around(known: &SettingDef, own: &SettingValue, parts: &SceneBodies)
         }
         _ if known.key == "cone" => Range::Choices { choices: vec!["circular", "linearised"] },
         _ => {
-            let mut choices = vec![apply::EXACT];
+            let mut choices = vec![apply::MONOLITHIC];
             // The two-step scheme gains energy with springs in bone.
             let on_bone = parts.hands.iter().any(|hand| hand.on_bone);
             if !on_bone || parts.solver.kind == SolverKind::TwoStep {

@@ -278,7 +278,7 @@ impl SimulationPort {
 
     /// True if frames of this world have a response: another solver publishes none.
     fn responds(&self, world: &World) -> bool {
-        self.mode == LoopMode::Shared && world.desc().solver.kind == SolverKind::Exact
+        self.mode == LoopMode::Shared && world.desc().solver.kind == SolverKind::Monolithic
     }
 
     fn contacts_max(&self) -> usize {

@@ -21,7 +21,7 @@
 //! chase each other.
 //!
 //! `World::condense` publishes it: bones and flesh as they come to rest, objects with their inertia
-//! over one step; joint limits are listed as contacts. Only the exact solver has it.
+//! over one step; joint limits are listed as contacts. Only the monolithic solver has it.
 //!
 //! Guaranteed: with unmoved proxies a frame at rest gives its own forces and poses. Not included:
 //! the hand's inertia between two frames, contacts that the frame does not list (it must list what

@@ -238,10 +238,10 @@ fn publishing_changes_nothing() {
     assert_eq!(hash(true), hash(false));
 }
 
-/// Only the exact solver has the response; with another one, or for other bones, there is none, and
-/// the bones are told all the same.
+/// Only the monolithic solver has the response; with another one, or for other bones, there is
+/// none, and the bones are told all the same.
 #[test]
-fn without_the_exact_solver_there_is_no_response() {
+fn without_the_monolithic_solver_there_is_no_response() {
     let mut bench = Bench::new(0.0);
     bench.world.step(&bench.input, &mut ());
     let mut frame = bench.frame();
@@ -252,7 +252,7 @@ fn without_the_exact_solver_there_is_no_response() {
     assert!(!bench.world.condense(0..2, &bench.input, &mut frame));
     assert!(!frame.response.is_ready());
     assert_eq!(frame.bones[1], RigidState::of(&bench.world, 1));
-    bench.world.set_solver(SolverKind::Exact);
+    bench.world.set_solver(SolverKind::Monolithic);
     assert!(bench.world.condense(0..2, &bench.input, &mut frame));
     assert!(!bench.world.condense(0..1, &bench.input, &mut frame), "frame for two bones");
     assert!(!frame.response.is_ready());

@@ -3,9 +3,9 @@
 use crate::Engine;
 use crate::flesh::Matrix;
 use crate::math::Vec3;
-use crate::solver::exact::factor::{Factor, LANES, Lanes};
-use crate::solver::exact::symbolic::Symbolic;
-use crate::solver::exact::{NoBodies, System};
+use crate::solver::monolithic::factor::{Factor, LANES, Lanes};
+use crate::solver::monolithic::symbolic::Symbolic;
+use crate::solver::monolithic::{NoBodies, System};
 
 pub struct Ours<'a> {
     matrix: &'a Matrix,

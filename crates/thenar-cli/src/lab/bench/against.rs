@@ -138,16 +138,16 @@ fn measure(program: &Path, args: &Args) -> Result<Vec<Run>, String> {
     runs_of(&figures).ok_or_else(|| failed("wrote figures of another form"))
 }
 
-/// The exact solver's figures, of each work.
+/// The monolithic solver's figures, of each work.
 fn runs_of(figures: &Value) -> Option<Vec<Run>> {
     let of = |work: &Value| {
         let (name, tets) = (work["work"].as_str()?, work["tets"].as_u64()?);
         let ms = 1e3 * work["time_step_s"].as_f64()?;
-        let exact = &work["exact"];
+        let monolithic = &work["monolithic"];
         Some(Run {
             work: format!("{tets} tets, {name}, {ms:.2} ms"),
-            median: exact["median_ms"].as_f64()?,
-            least: exact["least_ms"].as_f64()?,
+            median: monolithic["median_ms"].as_f64()?,
+            least: monolithic["least_ms"].as_f64()?,
         })
     };
     figures["works"].as_array()?.iter().map(of).collect()
@@ -164,7 +164,7 @@ mod tests {
             .map(|(name, median, least)| {
                 json!({
                     "work": name, "tets": 600, "time_step_s": 0.001,
-                    "exact": { "median_ms": median, "least_ms": least },
+                    "monolithic": { "median_ms": median, "least_ms": least },
                 })
             })
             .collect();

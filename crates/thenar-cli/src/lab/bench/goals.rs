@@ -72,19 +72,19 @@ impl Doing {
 
     /// A session of each of these, pressed as hard where they press.
     fn sessions(self, wanted: &[SessionSpec; 2]) -> Result<[Session; 2], String> {
-        let [exact, two_step] = wanted;
+        let [monolithic, two_step] = wanted;
         Ok(match self {
-            Self::Free => [free(exact)?, free(two_step)?],
+            Self::Free => [free(monolithic)?, free(two_step)?],
             Self::Rests => {
-                let (hard, session) = press_with(exact, CONTACTS)?;
+                let (hard, session) = press_with(monolithic, CONTACTS)?;
                 [session, press(two_step, &hard)?]
             }
             Self::Lands => {
-                let (hard, _) = press_with(exact, CONTACTS)?;
-                [land(exact, &hard)?, land(two_step, &hard)?]
+                let (hard, _) = press_with(monolithic, CONTACTS)?;
+                [land(monolithic, &hard)?, land(two_step, &hard)?]
             }
-            Self::DefaultFree => [default_free(exact)?, default_free(two_step)?],
-            Self::DefaultHolds => [default_holds(exact)?, default_holds(two_step)?],
+            Self::DefaultFree => [default_free(monolithic)?, default_free(two_step)?],
+            Self::DefaultHolds => [default_holds(monolithic)?, default_holds(two_step)?],
         })
     }
 }
@@ -127,7 +127,7 @@ struct Times {
     contacts: Samples,
     iterations: f64,
     sweeps: f64,
-    not_exact: usize,
+    failed: usize,
 }
 
 impl Times {
@@ -137,7 +137,7 @@ impl Times {
             contacts: Samples::default(),
             iterations: 0.0,
             sweeps: 0.0,
-            not_exact: 0,
+            failed: 0,
         }
     }
 
@@ -147,7 +147,7 @@ impl Times {
         self.contacts.push(f64::from(report.contacts_active));
         self.iterations += f64::from(report.cg_iterations);
         self.sweeps += f64::from(report.contact_sweeps);
-        self.not_exact += usize::from(report.fell_back || report.non_finite);
+        self.failed += usize::from(report.fell_back || report.non_finite);
     }
 
     /// Quantile of the samples \[ms\].
@@ -174,7 +174,7 @@ impl Times {
             "contacts": { "least": contacts[0], "median": contacts[1], "most": contacts[2] },
             "iterations": self.iterations / n,
             "sweeps": self.sweeps / n,
-            "steps_failed": self.not_exact,
+            "steps_failed": self.failed,
         })
     }
 }
@@ -193,10 +193,10 @@ pub fn run(args: &Args) -> Result<(), String> {
             "step [ms]",
             "contacts",
             "goal [ms]",
-            "exact [ms]",
+            "monolithic [ms]",
             "p99 [ms]",
             "least [ms]",
-            "exact/goal",
+            "monolithic/goal",
             "two-step [ms]",
             "p99 [ms]",
         ],
@@ -204,7 +204,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     let mut stages = Table::new(
         args.markdown,
         &[
-            "exact, median [us]",
+            "monolithic, median [us]",
             "skeleton",
             "flesh",
             "detect",
@@ -219,8 +219,8 @@ pub fn run(args: &Args) -> Result<(), String> {
     for work in WORKS.iter().filter(|work| work.tets <= args.tets_max) {
         // No longer than the state lasts.
         let steps = args.steps.min((LASTS / work.time_step) as usize);
-        let (tets, [mut exact, mut two_step]) = measure(work, steps)?;
-        let contacts = [0.0, 0.5, 1.0].map(|part| exact.contacts.quantile(part));
+        let (tets, [mut monolithic, mut two_step]) = measure(work, steps)?;
+        let contacts = [0.0, 0.5, 1.0].map(|part| monolithic.contacts.quantile(part));
         let goal = match work.goal {
             (median, Some(p99)) => format!("{median} (p99 {p99})"),
             (median, None) => format!("{median}"),
@@ -235,24 +235,24 @@ pub fn run(args: &Args) -> Result<(), String> {
                 false => "0".into(),
             },
             goal,
-            ms(exact.quantile(0.5)),
-            ms(exact.quantile(0.99)),
-            ms(exact.quantile(0.0)),
-            format!("{:.2}", exact.quantile(0.5) / work.goal.0),
+            ms(monolithic.quantile(0.5)),
+            ms(monolithic.quantile(0.99)),
+            ms(monolithic.quantile(0.0)),
+            format!("{:.2}", monolithic.quantile(0.5) / work.goal.0),
             ms(two_step.quantile(0.5)),
             ms(two_step.quantile(0.99)),
         ]);
         let us = |x: f64| format!("{x:.0}");
         stages.row(&[
             format!("{name}, {:.2} ms", work.time_step * 1e3),
-            us(exact.stage(Stage::Skeleton)),
-            us(exact.stage(Stage::Flesh)),
-            us(exact.stage(Stage::Detect)),
-            us(exact.stage(Stage::Contact)),
-            us(exact.stage(Stage::Embed)),
-            format!("{:.1}", exact.iterations / steps as f64),
-            format!("{:.1}", exact.sweeps / steps as f64),
-            exact.not_exact.to_string(),
+            us(monolithic.stage(Stage::Skeleton)),
+            us(monolithic.stage(Stage::Flesh)),
+            us(monolithic.stage(Stage::Detect)),
+            us(monolithic.stage(Stage::Contact)),
+            us(monolithic.stage(Stage::Embed)),
+            format!("{:.1}", monolithic.iterations / steps as f64),
+            format!("{:.1}", monolithic.sweeps / steps as f64),
+            monolithic.failed.to_string(),
         ]);
         all.push(json!({
             "work": work.doing.name(),
@@ -261,7 +261,7 @@ pub fn run(args: &Args) -> Result<(), String> {
             "goal_ms": work.goal.0,
             "goal_p99_ms": work.goal.1,
             "steps": steps,
-            "exact": exact.json(steps),
+            "monolithic": monolithic.json(steps),
             "two_step": two_step.json(steps),
         }));
     }
@@ -296,7 +296,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     others.print();
     println!(
         "One thread; {} steps of each solver, but no more than {LASTS} s of motion, in turns of {TURN}; \
-         contacts are least/median/most active at a step of the exact solver.",
+         contacts are least/median/most active at a step of the monolithic solver.",
         args.steps
     );
     if let Some(mut json) = json {

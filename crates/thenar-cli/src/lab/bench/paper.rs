@@ -1,5 +1,5 @@
-//! The timing table of the paper's section 6, beside ours: the paper's own scheme and the exact
-//! solver.
+//! The timing table of the paper's section 6, beside ours: the paper's own scheme and the
+//! monolithic solver.
 
 use super::memory::resident_mb;
 use super::samples::{Samples, Stopwatch};
@@ -74,12 +74,12 @@ impl SolverRun {
 
 /// Runs the bread scene once through with each solver and prints the table.
 pub fn run(args: &Args) -> Result<(), String> {
-    let mut runs = [SolverRun::new(args, "two-step")?, SolverRun::new(args, "exact")?];
+    let mut runs = [SolverRun::new(args, "two-step")?, SolverRun::new(args, "monolithic")?];
     sizes(args, &runs)?;
     println!();
     times(&mut runs);
     println!();
-    for (run, name) in runs.iter().zip(["two-step", "exact"]) {
+    for (run, name) in runs.iter().zip(["two-step", "monolithic"]) {
         println!(
             "{name}: conjugate gradients {:.1} iterations, contact {:.1} sweeps a step on average; \
              {} fell back",
@@ -92,7 +92,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     println!("resident memory, both scenes: {memory}");
     println!(
         "The paper's machine was a quad-core at 2.4 GHz; compare the ratio of rows, not only times. \
-         Two-step is the paper's scheme; exact, the default, solves joints, flesh and contact together."
+         Two-step is the paper's scheme; monolithic, the default, solves joints, flesh and contact together."
     );
     Ok(())
 }
@@ -103,7 +103,7 @@ fn sizes(args: &Args, runs: &[SolverRun; 2]) -> Result<(), String> {
     let (h, steps) = (args.time_step * 1e3, runs[0].steps);
     println!("bread-grasp, time step {h:.2} ms, {steps} steps, one thread");
     println!("{:<34} {:>12} {:>12}", "model", "paper (2011)", "thenar");
-    let [two_step, exact] = [0, 1].map(|k| runs[k].contacts);
+    let [two_step, monolithic] = [0, 1].map(|k| runs[k].contacts);
     let sizes = [
         ("bones", "16", model.bones.len()),
         ("tetrahedra of the hand", "597", model.flesh.tets.len()),
@@ -111,7 +111,7 @@ fn sizes(args: &Args, runs: &[SolverRun; 2]) -> Result<(), String> {
         ("render triangles of the hand", "23640", model.render.triangles.len()),
         ("tetrahedra, all", "-", runs[0].session.world().model().flesh.tets.len()),
         ("active contacts, most, two-step", "-", two_step as usize),
-        ("active contacts, most, exact", "-", exact as usize),
+        ("active contacts, most, monolithic", "-", monolithic as usize),
     ];
     for (what, paper, ours) in sizes {
         println!("{what:<34} {paper:>12} {ours:>12}");
@@ -120,7 +120,7 @@ fn sizes(args: &Args, runs: &[SolverRun; 2]) -> Result<(), String> {
 }
 
 fn times(runs: &mut [SolverRun; 2]) {
-    println!("{:<34} {:>12} {:^32} {:^32}", "", "paper", "two-step", "exact");
+    println!("{:<34} {:>12} {:^32} {:^32}", "", "paper", "two-step", "monolithic");
     print!("{:<34} {:>12}", "time of a step [ms]", "mean");
     println!("{}", format!(" {:>12} {:>9} {:>9}", "median", "p99", "max").repeat(2));
     let stages = [

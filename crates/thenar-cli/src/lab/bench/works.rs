@@ -6,7 +6,7 @@ use thenar_scene::session::{Session, builtin};
 
 /// Both solvers, with the names that scenes give them.
 pub const SOLVERS: [(SolverKind, &str); 2] =
-    [(SolverKind::Exact, "exact"), (SolverKind::TwoStep, "two-step")];
+    [(SolverKind::Monolithic, "monolithic"), (SolverKind::TwoStep, "two-step")];
 
 /// Firmness of a press, which the search for a number of contacts varies. Small meshes have few
 /// vertices below the hand and need soft flesh on a high table.

@@ -1,7 +1,7 @@
 //! A comparison over time as a page of charts.
 
 use crate::chart::{Axis, Dash, Line, Panel, Reduced, page};
-use thenar_scene::compare::{CompareMode, Comparison, EXACT, SIDES, TWO_STEP};
+use thenar_scene::compare::{CompareMode, Comparison, MONOLITHIC, SIDES, TWO_STEP};
 use thenar_scene::session::PARTS;
 
 const MM: f64 = 1e3;
@@ -29,7 +29,7 @@ fn differences(title: &'static str) -> Plan {
 
 fn both(title: &'static str, log: bool) -> Plan {
     let line = |side: usize, dash| (SIDES[side].to_string(), side, dash);
-    Plan { title, lines: vec![line(EXACT, Dash::Solid), line(TWO_STEP, Dash::Dashed)], log }
+    Plan { title, lines: vec![line(MONOLITHIC, Dash::Solid), line(TWO_STEP, Dash::Dashed)], log }
 }
 
 /// Values of the present moment, panel by panel and line by line.
@@ -42,13 +42,13 @@ fn values(of: &Comparison) -> Vec<Vec<f64>> {
             panels.push(apart.map_or(vec![NONE; 2], |a| vec![a.max * scale, a.mean * scale]));
         }
         let gap = |side: usize| m.sides[side].as_ref().map_or(NONE, |s| s.joint_gap * MM);
-        panels.push(vec![gap(EXACT), gap(TWO_STEP)]);
+        panels.push(vec![gap(MONOLITHIC), gap(TWO_STEP)]);
     }
     for hand in 0..bodies.hands.len() {
         let force = |side: usize, part: usize| {
             m.sides[side].as_ref().map_or(NONE, |s| s.loads[hand][part].normal)
         };
-        let of_part = |p: usize| [EXACT, TWO_STEP].map(|side| force(side, p));
+        let of_part = |p: usize| [MONOLITHIC, TWO_STEP].map(|side| force(side, p));
         panels.push((0..PARTS.len()).flat_map(of_part).collect());
     }
     if !bodies.objects.is_empty() {
@@ -57,7 +57,7 @@ fn values(of: &Comparison) -> Vec<Vec<f64>> {
         );
     }
     let energy = |side: usize| m.sides[side].as_ref().map_or(NONE, |s| s.energy);
-    panels.push(vec![energy(EXACT), energy(TWO_STEP)]);
+    panels.push(vec![energy(MONOLITHIC), energy(TWO_STEP)]);
     panels
 }
 
@@ -80,7 +80,7 @@ impl Charts {
             let lines =
                 (0..PARTS.len()).flat_map(|p| [line(p, Dash::Solid), line(p, Dash::Dashed)]);
             plans.push(Plan {
-                title: "Normal force [N], exact solid, two-step dashed",
+                title: "Normal force [N], monolithic solid, two-step dashed",
                 lines: lines.collect(),
                 log: false,
             });
@@ -92,7 +92,7 @@ impl Charts {
         }
         plans.push(both("Energy [J]", false));
         let series = |plan: &Plan| plan.lines.iter().map(|_| Reduced::new(steps)).collect();
-        let end = steps as f64 * of.sessions()[EXACT].world().time_step();
+        let end = steps as f64 * of.sessions()[MONOLITHIC].world().time_step();
         Self { series: plans.iter().map(series).collect(), plans, end }
     }
 
@@ -106,7 +106,7 @@ impl Charts {
 
     /// The page.
     pub fn page(&self, of: &Comparison) -> String {
-        let session = &of.sessions()[EXACT];
+        let session = &of.sessions()[MONOLITHIC];
         let marks: Vec<(f64, String)> = (0..2)
             .filter_map(|side| Some((side, of.summary().sides[side].diverged?)))
             .map(|(side, d)| (d.time, format!("{} diverged", SIDES[side])))
@@ -120,12 +120,12 @@ impl Charts {
             .collect();
         let what = match of.mode() {
             CompareMode::Trajectories => "each on its own way",
-            CompareMode::SingleSteps => "single steps from the exact state",
+            CompareMode::SingleSteps => "single steps from the monolithic state",
         };
         let h = session.world().time_step() * 1e3;
         let title = session.scene().title.as_deref().unwrap_or_default().trim_end_matches('.');
         let subtitle = format!("{title}; step {h:.3} ms, {what}");
-        page(&format!("{}: two-step against exact", session.name()), &subtitle, &panels)
+        page(&format!("{}: two-step against monolithic", session.name()), &subtitle, &panels)
     }
 
     fn panel(&self, plan: &Plan, series: &[Reduced], marks: &[(f64, String)]) -> Panel {

@@ -3,12 +3,14 @@
 use super::names;
 use crate::run::{STAGES, StopWatch, times};
 use serde_json::{Map, Value, json};
-use thenar_scene::compare::{Cause, CompareMode, Comparison, EXACT, Peak, SideSummary, TWO_STEP};
+use thenar_scene::compare::{
+    Cause, CompareMode, Comparison, MONOLITHIC, Peak, SideSummary, TWO_STEP,
+};
 use thenar_scene::session::PARTS;
 
 /// The report.
 pub fn report(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) -> Value {
-    let session = &of.sessions()[EXACT];
+    let session = &of.sessions()[MONOLITHIC];
     let (s, bodies) = (of.summary(), of.bodies());
     let peak = |p: &Peak, unit: &str| {
         let mut keys = Map::new();
@@ -32,9 +34,10 @@ pub fn report(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) -> Value {
     for (name, parts) in bodies.hand_names.iter().zip(&s.parts) {
         let mut hand = Map::new();
         for (part, p) in PARTS.iter().zip(parts) {
-            let [two_step, exact] = p.normal.each_ref().map(|n| peak(n, "n"));
+            let [two_step, monolithic] = p.normal.each_ref().map(|n| peak(n, "n"));
             let difference = peak(&p.difference, "n");
-            let of = json!({ "difference": difference, "two_step": two_step, "exact": exact });
+            let of =
+                json!({ "difference": difference, "two_step": two_step, "monolithic": monolithic });
             hand.insert(part.name().into(), of);
         }
         hands.insert(name.clone(), Value::Object(hand));
@@ -55,7 +58,7 @@ pub fn report(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) -> Value {
             "energy": peak(&s.energy, "j"),
         },
         "two_step": side(TWO_STEP),
-        "exact": side(EXACT),
+        "monolithic": side(MONOLITHIC),
         "version": env!("CARGO_PKG_VERSION"),
     })
 }

@@ -1,4 +1,4 @@
-//! `thenar compare`: the two-step scheme and the exact solver on one scene.
+//! `thenar compare`: the two-step scheme and the monolithic solver on one scene.
 
 mod charts;
 mod json;
@@ -19,10 +19,10 @@ use thenar_scene::session::{TableFormat, TableWriter};
 /// Setting by which a scene's silence means the paper's hand.
 const TWO_STEP: &str = "solver.kind=two-step";
 
-/// Compare the two-step scheme with the exact solver on one scene.
+/// Compare the two-step scheme with the monolithic solver on one scene.
 ///
 /// Both get the same motions, loads and settings, and springs as joint limits. Hands of which the
-/// scene does not say are the paper's, as springs in bone need the exact solver. The two-step
+/// scene does not say are the paper's, as springs in bone need the monolithic solver. The two-step
 /// scheme is the scene's; --paper makes it the paper's.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -38,7 +38,7 @@ pub struct Args {
     /// step.
     #[arg(long)]
     paper: bool,
-    /// Both set out from the exact state in every step: what one step does differently, with
+    /// Both set out from the monolithic state in every step: what one step does differently, with
     /// inner solvers at their most accurate. Times are not comparable then.
     #[arg(long)]
     single_steps: bool,

@@ -3,7 +3,7 @@
 use super::names;
 use crate::run::{STAGES, StopWatch};
 use thenar_core::histogram::Histogram;
-use thenar_scene::compare::{CompareMode, Comparison, EXACT, Object, Peak, SIDES, TWO_STEP};
+use thenar_scene::compare::{CompareMode, Comparison, MONOLITHIC, Object, Peak, SIDES, TWO_STEP};
 use thenar_scene::session::PARTS;
 
 const MM: f64 = 1e3;
@@ -18,7 +18,7 @@ pub fn divergence(of: &Comparison, side: usize) {
 
 /// Prints means, extremes and times.
 pub fn summary(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) {
-    let session = &of.sessions()[EXACT];
+    let session = &of.sessions()[MONOLITHIC];
     let (world, s, bodies) = (session.world(), of.summary(), of.bodies());
     let title = session.scene().title.as_deref().unwrap_or_default();
     println!("{}: {title}", session.name());
@@ -34,7 +34,7 @@ pub fn summary(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) {
     );
     let names = names(paper);
     if of.mode() == CompareMode::SingleSteps {
-        println!("  every step from the exact state: differences are those of one step");
+        println!("  every step from the monolithic state: differences are those of one step");
     }
     for (name, side) in names.iter().zip(&s.sides) {
         if let Some(divergence) = side.diverged {
@@ -106,15 +106,15 @@ pub fn summary(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) {
         return;
     }
     println!("\n  {:14} {:>25} {:>25}", "median / p99 [us]", a, b);
-    let [two, exact] = [TWO_STEP, EXACT].map(|side| &watches[side].times);
+    let [two, monolithic] = [TWO_STEP, MONOLITHIC].map(|side| &watches[side].times);
     let cell = |h: &Histogram| {
         let [median, p99] = [0.5, 0.99].map(|q| h.quantile(q) as f64 * 1e-3);
         format!("{median:11.1} / {p99:11.1}")
     };
     for (k, (_, stage)) in STAGES.iter().enumerate() {
-        println!("  {stage:17} {:>25} {:>25}", cell(&two.stages[k]), cell(&exact.stages[k]));
+        println!("  {stage:17} {:>25} {:>25}", cell(&two.stages[k]), cell(&monolithic.stages[k]));
     }
-    println!("  {:17} {:>25} {:>25}", "whole step", cell(&two.total), cell(&exact.total));
+    println!("  {:17} {:>25} {:>25}", "whole step", cell(&two.total), cell(&monolithic.total));
 }
 
 /// Four digits that matter, in eleven places.

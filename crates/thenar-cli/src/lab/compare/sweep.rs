@@ -24,7 +24,7 @@ pub struct Options {
     #[arg(long, value_name = "MS,MS", value_delimiter = ',', requires = "sweep",
           default_values_t = [1.0, 5.0, 16.7])]
     steps_ms: Vec<f64>,
-    /// Simulated time at which comparing begins, the exact solver up to there [s].
+    /// Simulated time at which comparing begins, the monolithic solver up to there [s].
     #[arg(long, value_name = "S", requires = "sweep", default_value_t = 1.0)]
     from: f64,
 }
@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 }
 
 const HEAD: &str = "\
-| step [ms] | κ [N/m⁴] | γ | scheme | bones, one step: mean / largest [µm] | joint gap (exact) [µm] | drive force [N] | on its own |
+| step [ms] | κ [N/m⁴] | γ | scheme | bones, one step: mean / largest [µm] | joint gap (monolithic) [µm] | drive force [N] | on its own |
 |---|---|---|---|---|---|---|---|
 ";
 
@@ -104,7 +104,7 @@ fn rows(point: &SweepPoint) -> Vec<String> {
             um(m.position.mean),
             um(m.position.max),
             um(m.joint_gap),
-            um(point.exact_joint_gap),
+            um(point.monolithic_joint_gap),
             super::print::digits(m.drive_force.max).trim(),
         )
     };
@@ -130,7 +130,7 @@ fn as_json(point: &SweepPoint) -> Value {
         "stiffness_n_per_m4": point.stiffness,
         "dt_s": point.time_step,
         "over_correction": point.over_correction,
-        "exact_joint_gap_max_m": point.exact_joint_gap,
+        "monolithic_joint_gap_max_m": point.monolithic_joint_gap,
         "schemes": SCHEMES.iter().zip(&point.schemes).map(scheme).collect::<Vec<_>>(),
     })
 }
@@ -159,8 +159,13 @@ fn charts(name: &str, plan: &Plan, points: &[SweepPoint]) -> String {
             };
             let mut lines: Vec<Line> = SCHEMES.iter().enumerate().map(line).collect();
             if what.starts_with("joint gap") {
-                let place = |p: &&SweepPoint| (p.stiffness, p.exact_joint_gap * 1e6);
-                lines.push(Line::new("exact", 6, Dash::Dashed, here.iter().map(place).collect()));
+                let place = |p: &&SweepPoint| (p.stiffness, p.monolithic_joint_gap * 1e6);
+                lines.push(Line::new(
+                    "monolithic",
+                    6,
+                    Dash::Dashed,
+                    here.iter().map(place).collect(),
+                ));
             }
             panels.push(Panel {
                 title: format!("Step {:.1} ms: {what} [µm]", h * 1e3),
@@ -176,14 +181,14 @@ fn charts(name: &str, plan: &Plan, points: &[SweepPoint]) -> String {
         }
     }
     let subtitle =
-        "from the exact state; a cross: left alone, the scheme diverges; a dot: it is stable";
+        "from the monolithic state; a cross: left alone, the scheme diverges; a dot: it is stable";
     page(&format!("{name}: error of splitting"), subtitle, &panels)
 }
 
 impl From<SweepError> for CliError {
     fn from(error: SweepError) -> Self {
         match error {
-            SweepError::Exact(..) => Self::Other(error.to_string()),
+            SweepError::Monolithic(..) => Self::Other(error.to_string()),
             _ => Self::Input(error.to_string()),
         }
     }

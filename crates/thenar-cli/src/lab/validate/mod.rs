@@ -34,7 +34,7 @@ pub struct Args {
     #[arg(long = "case", value_name = "CASE")]
     cases: Vec<String>,
     /// Solver of all cases.
-    #[arg(long, value_enum, default_value_t = Solver::Exact)]
+    #[arg(long, value_enum, default_value_t = Solver::Monolithic)]
     solver: Solver,
     /// Also writes the table as JSON.
     #[arg(long, value_name = "FILE")]
@@ -143,7 +143,7 @@ mod tests {
     fn check(letter: char) {
         let of_letter = cases().filter(|c| c.id.starts_with(letter) && !c.full);
         let chosen: Vec<Case> = of_letter.copied().collect();
-        let findings = examine_all(&chosen, Solver::Exact, |_| ());
+        let findings = examine_all(&chosen, Solver::Monolithic, |_| ());
         let failed: Vec<String> =
             findings.iter().filter(|f| !f.passes()).map(report::rows).collect();
         assert!(!findings.is_empty() && failed.is_empty(), "\n{}", failed.join("\n"));

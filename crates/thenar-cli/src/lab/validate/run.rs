@@ -10,7 +10,7 @@ use thenar_scene::session::Session;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Solver {
     /// Joints, flesh and contact in one system: the default.
-    Exact,
+    Monolithic,
     /// The paper's.
     TwoStep,
 }
@@ -20,7 +20,7 @@ impl Solver {
     pub fn open(self, scene: &SceneText, overrides: &[String]) -> Result<Run, CaseError> {
         let file = format!("scenes/validation/{}.toml", scene.name);
         let kind = match self {
-            Self::Exact => "solver.kind=exact",
+            Self::Monolithic => "solver.kind=monolithic",
             Self::TwoStep => "solver.kind=two-step",
         };
         let overrides: Vec<String> =

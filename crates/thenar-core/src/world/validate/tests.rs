@@ -150,7 +150,7 @@ fn rotations_of_another_length_are_brought_to_one() {
 
 #[test]
 fn a_world_at_rest_is_valid_by_every_solver_and_after_every_change() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep, SolverKind::DenseReference] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep, SolverKind::DenseReference] {
         for cone in [Cone::Circular, Cone::Linearised] {
             let mut world = resting(kind, cone);
             let case = format!("{kind:?}, {cone:?}");
@@ -183,7 +183,7 @@ fn a_world_at_rest_is_valid_by_every_solver_and_after_every_change() {
 /// them.
 #[test]
 fn what_another_time_step_makes_infinite_is_forgotten() {
-    let mut world = resting(SolverKind::Exact, Cone::Circular);
+    let mut world = resting(SolverKind::Monolithic, Cone::Circular);
     world.state.impulses[0].1 = Vec3::new(1e-3, 1e300, 0.0);
     world.set_time_step(2e-12);
     world.state.impulses[0].1.y = 1e300;
@@ -196,7 +196,7 @@ fn what_another_time_step_makes_infinite_is_forgotten() {
 /// States that no step leaves behind, read from a file say, are refused or put in order.
 #[test]
 fn restored_states_are_valid_or_refused() {
-    let mut world = resting(SolverKind::Exact, Cone::Circular);
+    let mut world = resting(SolverKind::Monolithic, Cone::Circular);
     let good = world.state().clone();
     let doubled = Quat::new_unchecked(good.poses_WB[CUBE].rotation.into_inner() * 2.0);
     let refused: [fn(&mut State); 3] = [
@@ -239,7 +239,7 @@ fn restored_states_are_valid_or_refused() {
 type Broken = (&'static str, fn(&mut World));
 
 fn assert_each_is_found(broken: &[Broken]) {
-    let world = resting(SolverKind::Exact, Cone::Circular);
+    let world = resting(SolverKind::Monolithic, Cone::Circular);
     assert_eq!(world.validate(), Ok(()));
     for (said, spoil) in broken {
         let mut bad = world.clone();
@@ -364,16 +364,16 @@ const OF_CONTACTS: &[Broken] = &[
 fn what_is_wrong_with_contacts_and_limits_is_named() {
     assert_each_is_found(OF_CONTACTS);
     // Whatever its number.
-    let mut world = resting(SolverKind::Exact, Cone::Circular);
+    let mut world = resting(SolverKind::Monolithic, Cone::Circular);
     let contact = of_cube(&mut world);
     contact.force_W.x += 0.6 * contact.force_W.y.abs();
     let said = world.validate().unwrap_err().to_string();
     assert!(said.contains("tangential force [N] must be within the cone of friction"), "{said}");
-    let mut world = resting(SolverKind::Exact, Cone::Circular);
+    let mut world = resting(SolverKind::Monolithic, Cone::Circular);
     of_cube(&mut world).bodies = [BodyId::Rigid(CUBE as u32); 2];
     let said = world.validate().unwrap_err().to_string();
     assert!(said.ends_with("other body must be another one, got 1"), "{said}");
-    let mut world = resting(SolverKind::Exact, Cone::Circular);
+    let mut world = resting(SolverKind::Monolithic, Cone::Circular);
     of_cube(&mut world).bodies = [BodyId::Rigid(FLOOR as u32), BodyId::Rigid(3)];
     let said = world.validate().unwrap_err().to_string();
     assert!(said.ends_with("rigid body must be one of the world's, got 3"), "{said}");
@@ -383,7 +383,7 @@ fn what_is_wrong_with_contacts_and_limits_is_named() {
 /// it.
 #[test]
 fn the_square_is_asked_of_steps_with_the_linearised_cone() {
-    let mut world = resting(SolverKind::Exact, Cone::Linearised);
+    let mut world = resting(SolverKind::Monolithic, Cone::Linearised);
     assert_eq!(world.validate_step(), Ok(()));
     let flesh = |contact: &Contact| matches!(contact.a, Site::Soft(_));
     let i = world.readout.sites.iter().position(flesh).unwrap();
@@ -398,7 +398,7 @@ fn the_square_is_asked_of_steps_with_the_linearised_cone() {
 
 #[test]
 fn led_bodies_and_held_nodes_are_where_they_were_put() {
-    let mut desc = resting(SolverKind::Exact, Cone::Circular).desc.clone();
+    let mut desc = resting(SolverKind::Monolithic, Cone::Circular).desc.clone();
     desc.rigids[FLOOR].shape = None;
     let mut world = World::new(desc).unwrap();
     let mut input = world.input();

@@ -7,7 +7,7 @@ use thenar_core::model::{FixedNode, Motion, SoftDesc, SolverKind, WorldDesc};
 use thenar_core::shape::Shape;
 use thenar_core::{Pose, Quat, Vec3, World};
 
-const SCHEMES: [SolverKind; 2] = [SolverKind::Exact, SolverKind::TwoStep];
+const SCHEMES: [SolverKind; 2] = [SolverKind::Monolithic, SolverKind::TwoStep];
 
 fn floor(kind: SolverKind, h: f64) -> WorldDesc {
     let mut desc = WorldDesc { time_step: h, ..WorldDesc::default() };

@@ -222,7 +222,7 @@ fn all_solvers_push_out_alike() {
         (world.rigid_pose(b), world.rigid_velocity(b))
     };
     let (want, v) = run(SolverKind::DenseReference);
-    for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
         let (pose, [linear, _]) = run(kind);
         let off = (pose.position - want.position).norm();
         assert!(off < 1e-8, "{kind:?}: {off} m of {}", pose.position.y - 0.02);

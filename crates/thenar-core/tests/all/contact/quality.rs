@@ -1,6 +1,6 @@
 //! Goal: contact as firm and as faithful as theory asks. Method: a soft pad on a driven bone is
-//! pressed, twisted, hit and made to hold things, with the exact solver; penetration is measured
-//! over all of its surface, not at contact points.
+//! pressed, twisted, hit and made to hold things, with the monolithic solver; penetration is
+//! measured over all of its surface, not at contact points.
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
@@ -22,7 +22,7 @@ const DRIVE: Drive =
 
 fn empty(h: f64) -> WorldDesc {
     let mut desc = WorldDesc { time_step: h, ..WorldDesc::default() };
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     desc.solver.contact_sweeps_max = 2000;
     desc
 }

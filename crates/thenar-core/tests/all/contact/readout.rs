@@ -89,7 +89,7 @@ fn check_sums(world: &World, readout: &mut ContactReadout) {
 /// A soft block under an even load on top: pressure below is force over area, everywhere.
 #[test]
 fn an_even_load_gives_an_even_pressure() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
         let mut desc = WorldDesc { gravity: Vec3::zeros(), ..WorldDesc::default() };
         desc.solver.kind = kind;
         let ground = add_ground(&mut desc);
@@ -144,7 +144,7 @@ fn an_even_load_gives_an_even_pressure() {
 #[test]
 fn a_block_pulled_aside_sticks_then_slips() {
     let mut desc = WorldDesc { gravity: Vec3::zeros(), ..WorldDesc::default() };
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     let ground = add_ground(&mut desc);
     let mut cube = body("cube", 0.1, [1e-4; 3], Vec3::y() * 0.02);
     cube.shape = Some(Shape::Cuboid { half: Vec3::repeat(0.02) });
@@ -179,7 +179,7 @@ fn a_block_pulled_aside_sticks_then_slips() {
 /// A finger pressed on a plane, with a block that leans on it: what skin feels reaches the bones.
 #[test]
 fn what_the_skin_feels_reaches_the_bones() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
         let mut desc = finger(1e9, 2e-3);
         desc.gravity = Vec3::zeros();
         desc.solver.kind = kind;

@@ -1,5 +1,5 @@
 //! Goal: contact pushes, holds and slips as Coulomb says (validation C). Method: boxes and soft
-//! blocks on planes, against closed formulas; the flesh cases also against the monolithic solver.
+//! blocks on planes, against closed formulas; the flesh cases also against the dense reference.
 
 use crate::common::{FLESH, bar, body, finger};
 use thenar_core::model::{BodyId, Cone, Drive, Motion, PairRule, SoftDesc, SolverKind, WorldDesc};
@@ -121,9 +121,9 @@ fn stack_of_five() {
 }
 
 /// A soft finger pressed on a plane by its drives: the two-step solver with constraint anticipation
-/// against the monolithic one; at rest the plane carries what the drives and weight put on.
+/// against the dense one; at rest the plane carries what the drives and weight put on.
 #[test]
-fn pressed_finger_agrees_with_the_monolithic_solver() {
+fn pressed_finger_agrees_with_the_dense_reference() {
     for cone in [Cone::Circular, Cone::Linearised] {
         let mut desc = finger(1e8, 2e-3);
         desc.solver.kind = SolverKind::TwoStep;
@@ -162,14 +162,14 @@ fn pressed_finger_agrees_with_the_monolithic_solver() {
         assert!(on_plane > 0.5 && report.penetration_max < 1e-5, "{report:?}");
         let _ = plane;
 
-        let mut exact = world.clone();
-        exact.set_solver(SolverKind::DenseReference);
+        let mut dense = world.clone();
+        dense.set_solver(SolverKind::DenseReference);
         for _ in 0..30 {
-            exact.step(&input, &mut ());
+            dense.step(&input, &mut ());
         }
-        let difference = (force(&exact) / on_plane - 1.0).abs();
-        assert!(difference < 0.005, "{cone:?}: {} against {on_plane} N", force(&exact));
-        let moved = (exact.rigid_pose(1).position - world.rigid_pose(1).position).norm();
+        let difference = (force(&dense) / on_plane - 1.0).abs();
+        assert!(difference < 0.005, "{cone:?}: {} against {on_plane} N", force(&dense));
+        let moved = (dense.rigid_pose(1).position - world.rigid_pose(1).position).norm();
         assert!(moved < 2e-5, "{cone:?}: bone off by {moved} m");
     }
 }

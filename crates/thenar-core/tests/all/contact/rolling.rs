@@ -19,7 +19,7 @@ const TAU: f64 = 2e-3;
 /// of travel.
 fn rolled(speed: f64, friction: f64) -> [f64; 2] {
     let mut desc = WorldDesc { time_step: H, gravity: Vec3::zeros(), ..WorldDesc::default() };
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     let size = Vec3::new(0.040, 0.006, 0.003);
     let mut flesh = bar(size, [40, 6, 2], FLESH);
     flesh.stiffness_damping = TAU;

@@ -103,7 +103,7 @@ fn momentum(world: &World) -> [Vec3; 2] {
 
 #[test]
 fn the_arms_of_a_fork_press_on_each_other() {
-    for (kind, h) in [(SolverKind::Exact, 1e-3), (SolverKind::Exact, 5e-3)] {
+    for (kind, h) in [(SolverKind::Monolithic, 1e-3), (SolverKind::Monolithic, 5e-3)] {
         let mut world = fork(kind, h, true);
         let input = press(&world, 0.03);
         let mut deepest = 0.0_f64;
@@ -131,7 +131,7 @@ fn the_arms_of_a_fork_press_on_each_other() {
 
 #[test]
 fn a_rule_for_the_pair_of_a_body_with_itself_sets_friction_or_removes_contact() {
-    let mut world = fork(SolverKind::Exact, 5e-3, true);
+    let mut world = fork(SolverKind::Monolithic, 5e-3, true);
     let input = press(&world, 0.03);
     let own = [BodyId::Soft(0); 2];
     let friction = |world: &mut World, friction| {
@@ -158,7 +158,7 @@ fn a_rule_for_the_pair_of_a_body_with_itself_sets_friction_or_removes_contact() 
 /// At rest and in any pose that only moves it, a body does not touch itself.
 #[test]
 fn neighbors_do_not_touch() {
-    let mut world = fork(SolverKind::Exact, 5e-3, true);
+    let mut world = fork(SolverKind::Monolithic, 5e-3, true);
     let input = world.input();
     for _ in 0..5 {
         let report = world.step(&input, &mut ());

@@ -17,7 +17,7 @@ const LOAD: f64 = 1.0;
 /// in parts of what it would with nothing to hold it.
 fn twisted(radius: f64, at: [f64; 2], part: f64, h: f64) -> f64 {
     let mut desc = WorldDesc { time_step: h, gravity: Vec3::zeros(), ..WorldDesc::default() };
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     let size = Vec3::new(0.060, 0.010, 0.060);
     let mut flesh = bar(size, [3, 1, 3], FLESH);
     flesh.stiffness_damping = 2e-3;

@@ -16,7 +16,7 @@ const ARM: f64 = 0.02;
 /// A ball on a plane, and a rod that its weight holds at the bound of a hinge about z.
 fn at_rest(h: f64) -> World {
     let mut desc = WorldDesc { time_step: h, gravity: Vec3::y() * -G, ..WorldDesc::default() };
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     let mut plane = body("ground", 1.0, [1.0; 3], Vec3::zeros());
     (plane.motion, plane.shape) = (Motion::Prescribed, Some(Shape::HalfSpace));
     desc.add_rigid(plane);

@@ -1,5 +1,5 @@
 //! Goal: skeleton and flesh are coupled as Eq. 6-9 say, and the two-step solution differs from
-//! the monolithic one only as the paper's approximation does (validation D4, D5).
+//! the dense one only as the paper's approximation does (validation D4, D5).
 //! Method: a two-bone finger of flesh, stepped by both solvers from the same state.
 
 use crate::common::{finger, random};
@@ -89,7 +89,7 @@ fn coupling_has_no_net_force_or_torque() {
 /// One step of the frozen-flesh scheme from a settled state is Eq. 10 and 11: it differs from
 /// Eq. 9 by an error that shrinks with the step (D5).
 #[test]
-fn two_steps_approach_the_monolithic_solution_as_the_step_shrinks() {
+fn two_steps_approach_the_dense_solution_as_the_step_shrinks() {
     for flesh in [FleshInStep1::Frozen, FleshInStep1::Lumped] {
         let mut errors = Vec::new();
         for h in [2e-3, 1e-3, 5e-4] {
@@ -99,24 +99,24 @@ fn two_steps_approach_the_monolithic_solution_as_the_step_shrinks() {
             for _ in 0..(0.05 / h) as usize {
                 two_step.step(&input, &mut ());
             }
-            let mut exact = two_step.clone();
-            exact.set_solver(SolverKind::DenseReference);
+            let mut dense = two_step.clone();
+            dense.set_solver(SolverKind::DenseReference);
             two_step.step(&input, &mut ());
-            exact.step(&input, &mut ());
-            let error = (two_step.rigid_pose(1).position - exact.rigid_pose(1).position).norm();
+            dense.step(&input, &mut ());
+            let error = (two_step.rigid_pose(1).position - dense.rigid_pose(1).position).norm();
             errors.push(error);
-            assert!(exact.joint_error(0).0 < 2e-5, "{} m", exact.joint_error(0).0);
+            assert!(dense.joint_error(0).0 < 2e-5, "{} m", dense.joint_error(0).0);
         }
         assert!(errors[0] < 1e-4, "{flesh:?}: {errors:?} m");
         assert!(errors[2] < 0.5 * errors[0], "{flesh:?}: {errors:?} m");
     }
 }
 
-/// Without joints between the bodies the two-step solution is the monolithic one, but for how
+/// Without joints between the bodies the two-step solution is the dense one, but for how
 /// positions follow from velocities: the two-step scheme leaves out by how much targets move beyond
 /// first order.
 #[test]
-fn without_joints_two_steps_are_the_monolithic_solution() {
+fn without_joints_two_steps_are_the_dense_solution() {
     let mut desc = finger(1e8, 5e-3);
     desc.joints[0].kind = thenar_core::model::JointKind::Free;
     desc.solver.kind = SolverKind::TwoStep;

@@ -1,4 +1,4 @@
-//! Goal: joint limits of the exact solver hold under load, push only, give no energy, and are
+//! Goal: joint limits of the monolithic solver hold under load, push only, give no energy, and are
 //! solved together with contact. Method: bones pressed and thrown against their bounds, against
 //! statics, energy balance and the dense reference.
 
@@ -21,7 +21,7 @@ fn limit(min: f64, max: f64) -> Axis {
 /// A hinge turns about z, a universal joint about y, then z.
 fn rod(kind: JointKind, axes: [Axis; 2], h: f64) -> WorldDesc {
     let mut desc = WorldDesc { time_step: h, ..WorldDesc::default() };
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     let child = desc.add_rigid(body("rod", 0.02, [1e-7, 2.7e-6, 2.7e-6], Vec3::x() * 0.02));
     let to_z = Quat::from_axis_angle(&Vec3::y_axis(), -std::f64::consts::FRAC_PI_2);
     desc.joints.push(JointDesc {
@@ -89,7 +89,7 @@ fn both_axes_of_a_universal_joint_hold() {
 fn a_soft_finger_holds_and_lets_go() {
     let mut desc = finger(1e9, 1e-3);
     desc.gravity = Vec3::zeros();
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     desc.rigids[0].motion = Motion::Prescribed;
     desc.joints[0].axes[0].limit = Some(AngleLimit { min: -2.0, max: 0.3 });
     let mut world = World::new(desc).unwrap();
@@ -197,7 +197,7 @@ fn bounds_alone_agree_with_the_dense_reference() {
     for (kappa, h) in [(1e8, 1e-3), (1e9, 5e-3)] {
         let mut desc = finger(kappa, h);
         desc.gravity = Vec3::zeros();
-        desc.solver.kind = SolverKind::Exact;
+        desc.solver.kind = SolverKind::Monolithic;
         desc.solver.velocity_tolerance = 1e-6;
         desc.rigids[0].motion = Motion::Prescribed;
         desc.joints[0].axes[0].limit = Some(AngleLimit { min: -0.03, max: 0.02 });
@@ -234,7 +234,7 @@ fn limits_and_contact_agree_with_the_dense_reference() {
         Drive { stiffness: 400.0, damping: 2.0, angular_stiffness: 0.4, angular_damping: 1e-3 };
     for (kappa, h) in [(1e8, 1e-3), (1e9, 5e-3)] {
         let mut desc = finger(kappa, h);
-        desc.solver.kind = SolverKind::Exact;
+        desc.solver.kind = SolverKind::Monolithic;
         desc.solver.velocity_tolerance = 1e-7;
         desc.solver.contact_sweeps_max = 20_000;
         desc.joints[0].axes[0].limit = Some(AngleLimit { min: -0.02, max: 0.02 });
@@ -276,7 +276,7 @@ fn limits_and_contact_agree_with_the_dense_reference() {
 #[test]
 fn springs_remain_where_they_are_asked_for() {
     for (kind, limits) in
-        [(SolverKind::Exact, JointLimits::Springs), (SolverKind::TwoStep, JointLimits::Rows)]
+        [(SolverKind::Monolithic, JointLimits::Springs), (SolverKind::TwoStep, JointLimits::Rows)]
     {
         let mut desc = rod(JointKind::Hinge, [limit(-0.3, 1.2); 2], 1e-3);
         desc.gravity = Vec3::zeros();

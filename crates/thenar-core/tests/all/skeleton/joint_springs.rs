@@ -120,7 +120,7 @@ fn a_range_says_which_turn_is_meant() {
 #[test]
 fn a_limit_s_spring_is_damped() {
     let h = 1e-4;
-    for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
         let limit = Some(AngleLimit { min: -1.0, max: 0.5 });
         let axis = Axis { limit, ..Axis::default() };
         let mut world = door(JointKind::Hinge, [axis, Axis::default()], [0.5, 0.0], h);
@@ -156,7 +156,7 @@ fn a_limit_s_spring_is_damped() {
 /// The damper of a drive acts against the turning of its target: `(I + h c) ω₁ = I ω₀ + h c ω_t`.
 #[test]
 fn a_drive_follows_a_turning_target() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
         let h = 1e-3;
         let mut desc = WorldDesc { time_step: h, gravity: Vec3::zeros(), ..WorldDesc::default() };
         desc.solver.kind = kind;

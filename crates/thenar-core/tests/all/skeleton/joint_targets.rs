@@ -7,7 +7,7 @@ use thenar_core::world::JointTarget;
 use thenar_core::{Pose, Quat, Vec3, World};
 
 const SOLVERS: [SolverKind; 3] =
-    [SolverKind::Exact, SolverKind::TwoStep, SolverKind::DenseReference];
+    [SolverKind::Monolithic, SolverKind::TwoStep, SolverKind::DenseReference];
 const STIFFNESS: f64 = 0.2;
 const DAMPING: f64 = 0.01;
 
@@ -64,7 +64,7 @@ fn a_moving_target_is_followed_without_lag_if_it_tells_its_rate() {
     for kind in [JointKind::Hinge, JointKind::Ball] {
         for h in [1e-3, 1.0 / 60.0] {
             for told in [true, false] {
-                let mut world = rod(kind, SolverKind::Exact, h);
+                let mut world = rod(kind, SolverKind::Monolithic, h);
                 let mut input = world.input();
                 let mut wanted = 0.0;
                 for i in 1..=(1.0 / h) as usize {
@@ -150,7 +150,7 @@ fn a_driven_joint_is_internal() {
 #[test]
 fn a_target_that_is_no_number_lets_go_for_a_step() {
     for kind in [JointKind::Hinge, JointKind::Ball] {
-        let mut world = rod(kind, SolverKind::Exact, 1e-3);
+        let mut world = rod(kind, SolverKind::Monolithic, 1e-3);
         let mut input = world.input();
         let good = JointTarget {
             angles: [1.0, 0.0],

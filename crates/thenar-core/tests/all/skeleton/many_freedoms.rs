@@ -1,6 +1,6 @@
-//! Goal: a chain that the exact solver would take seconds a step for is refused with the way out,
-//! and nothing else is. Method: chains, rings and chains held in the middle, of as many freedoms as
-//! are taken and one more body, against freedoms counted by hand.
+//! Goal: a chain that the monolithic solver would take seconds a step for is refused with the way
+//! out, and nothing else is. Method: chains, rings and chains held in the middle, of as many
+//! freedoms as are taken and one more body, against freedoms counted by hand.
 
 use crate::common::body;
 use thenar_core::model::{Axis, JointDesc, JointKind, Motion, SolverKind, WorldDesc};
@@ -37,7 +37,7 @@ fn chain(bodies: u32, kind: JointKind, ring: bool) -> WorldDesc {
 }
 
 #[test]
-fn long_chains_are_refused_by_the_exact_solver_alone() {
+fn long_chains_are_refused_by_the_monolithic_solver_alone() {
     // Six freedoms of the first body, then three of a ball joint and one of a hinge; what closes a
     // ring fixes some of them, but takes no less time.
     for (kind, own) in [(JointKind::Ball, 3), (JointKind::Hinge, 1)] {

@@ -1,5 +1,5 @@
-//! The exact solver against the dense reference, to the tolerance asked for.
+//! The monolithic solver against the dense reference, to the tolerance asked for.
 
-mod exact_contact;
-mod exact_contact_tolerance;
-mod exact_solver;
+mod monolithic_contact;
+mod monolithic_contact_tolerance;
+mod monolithic_solver;

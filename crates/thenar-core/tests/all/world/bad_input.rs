@@ -88,7 +88,7 @@ fn one_bad_step_does_not_spoil_the_next() {
 
 #[test]
 fn worlds_with_almost_nothing_step() {
-    for kind in [SolverKind::TwoStep, SolverKind::Exact, SolverKind::DenseReference] {
+    for kind in [SolverKind::TwoStep, SolverKind::Monolithic, SolverKind::DenseReference] {
         let mut desc = WorldDesc::default();
         desc.solver.kind = kind;
         let mut empty = World::new(desc.clone()).unwrap();
@@ -116,7 +116,7 @@ fn worlds_with_almost_nothing_step() {
 fn a_held_node_inside_a_plane_is_left_alone() {
     for axes in [[true; 3], [false, true, false], [true, false, true]] {
         for cone in [Cone::Circular, Cone::Linearised] {
-            for kind in [SolverKind::TwoStep, SolverKind::Exact, SolverKind::DenseReference] {
+            for kind in [SolverKind::TwoStep, SolverKind::Monolithic, SolverKind::DenseReference] {
                 let mut desc = WorldDesc::default();
                 desc.solver.kind = kind;
                 desc.solver.cone = cone;
@@ -155,7 +155,7 @@ fn a_held_node_inside_a_plane_is_left_alone() {
 fn a_four_bar_swings_like_a_pendulum() {
     let (crank, mass, coupler) = (0.1, 0.02, 0.05);
     let thin = mass * crank * crank / 12.0;
-    for kind in [SolverKind::TwoStep, SolverKind::Exact, SolverKind::DenseReference] {
+    for kind in [SolverKind::TwoStep, SolverKind::Monolithic, SolverKind::DenseReference] {
         let h = 2e-4;
         let mut desc = WorldDesc { time_step: h, ..WorldDesc::default() };
         desc.solver.kind = kind;
@@ -201,7 +201,7 @@ fn a_four_bar_swings_like_a_pendulum() {
 /// A joint between bodies that are both moved from outside asks for what cannot be given.
 #[test]
 fn a_joint_between_prescribed_bodies_is_harmless() {
-    for kind in [SolverKind::TwoStep, SolverKind::Exact, SolverKind::DenseReference] {
+    for kind in [SolverKind::TwoStep, SolverKind::Monolithic, SolverKind::DenseReference] {
         for looped in [false, true] {
             let mut desc = WorldDesc::default();
             desc.solver.kind = kind;

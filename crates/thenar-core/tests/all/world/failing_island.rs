@@ -39,7 +39,7 @@ fn thrown(from: Vec3, steps: u32) -> Vec3 {
 #[test]
 fn a_ball_flies_on_while_a_block_fails_every_step() {
     let mut desc = WorldDesc { time_step: H, ..WorldDesc::default() };
-    desc.solver.kind = SolverKind::Exact;
+    desc.solver.kind = SolverKind::Monolithic;
     block(&mut desc);
     let from = Vec3::new(1.0, 0.5, 0.2);
     let mut ball = body("ball", 0.3, [1e-4; 3], from);
@@ -67,7 +67,7 @@ fn a_ball_flies_on_while_a_block_fails_every_step() {
 /// Forces that move a grain by 1e12 m in a step, before and after which it is where it was.
 #[test]
 fn a_ball_flies_on_while_a_grain_gives_numbers_beyond_sense() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep, SolverKind::DenseReference] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep, SolverKind::DenseReference] {
         let mut desc = WorldDesc { time_step: H, ..WorldDesc::default() };
         desc.solver.kind = kind;
         let from = Vec3::new(1.0, 0.5, 0.2);

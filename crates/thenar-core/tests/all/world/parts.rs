@@ -64,7 +64,7 @@ fn depth(world: &World, lower: f64) -> f64 {
 /// of its speed, too fast for a step that did not see it coming.
 #[test]
 fn an_end_that_slaps_is_seen_coming() {
-    for kind in [SolverKind::Exact, SolverKind::DenseReference, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::DenseReference, SolverKind::TwoStep] {
         let (mut deepest, mut divided) = ([0.0_f64; 3], [0; 3]);
         for (i, halvings) in [0, 1, 3].into_iter().enumerate() {
             for tenth in 0..10 {
@@ -99,7 +99,7 @@ fn the_shortest_part_looks_again() {
         let way = gap + places[1];
         assert!(SPEED * h + 1e-3 < way && way + 0.5e-3 < travel(h, gap), "no case");
     }
-    for kind in [SolverKind::Exact, SolverKind::DenseReference, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::DenseReference, SolverKind::TwoStep] {
         let (mut world, input) = rod(places, 1, kind);
         let report = world.step(&input, &mut ());
         assert_eq!(report.parts, 2, "{kind:?}");
@@ -109,7 +109,7 @@ fn the_shortest_part_looks_again() {
 
 /// A ball that a spring of 200 N/m leads at a constant speed, beside the rod that slaps.
 fn driven(halvings: u32) -> (World, Input) {
-    let (world, _) = rod([3e-3, LOWER], halvings, SolverKind::Exact);
+    let (world, _) = rod([3e-3, LOWER], halvings, SolverKind::Monolithic);
     let mut desc = world.desc().clone();
     let mut ball = body("ball", 0.05, [1e-5; 3], Vec3::new(0.0, 0.3, 0.3));
     ball.shape = Some(Shape::Sphere { radius: 0.01 });
@@ -183,7 +183,7 @@ fn two_parts_are_two_steps() {
 /// Touch is told the forces of the last part of a divided step.
 #[test]
 fn touch_is_told_forces_of_the_last_part() {
-    let (mut world, input) = rod([3e-3, LOWER], 3, SolverKind::Exact);
+    let (mut world, input) = rod([3e-3, LOWER], 3, SolverKind::Monolithic);
     let start = [RigidState::at_rest(Pose::identity())];
     let (mut divided, mut pressed) = (0, 0);
     for _ in 0..12 {

@@ -50,7 +50,7 @@ fn hashes(world: &mut World) -> Vec<u64> {
 
 #[test]
 fn a_restored_state_goes_on_with_the_same_bits() {
-    for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+    for kind in [SolverKind::Monolithic, SolverKind::TwoStep] {
         let state = sunk(kind);
         let mut one = world(kind);
         assert!(one.restore(&state));
@@ -80,7 +80,7 @@ fn a_restored_state_goes_on_with_the_same_bits() {
 
 #[test]
 fn a_foreign_state_is_refused() {
-    let mut world = world(SolverKind::Exact);
+    let mut world = world(SolverKind::Monolithic);
     let before = world.state_hash();
     let mut foreign = world.state().clone();
     foreign.x.pop();

@@ -181,20 +181,20 @@ fn a_restarted_world_runs_as_a_new_one() {
     }
 }
 
-/// The exact solver, chosen for a world that was built without it, steps at once.
+/// The monolithic solver, chosen for a world that was built without it, steps at once.
 #[test]
 fn another_solver_can_be_chosen() {
     let mut desc = desc();
     desc.solver.kind = SolverKind::TwoStep;
     let mut world = World::new(desc.clone()).unwrap();
-    desc.solver.kind = SolverKind::Exact;
-    let mut exact = World::new(desc.clone()).unwrap();
+    desc.solver.kind = SolverKind::Monolithic;
+    let mut monolithic = World::new(desc.clone()).unwrap();
     world.retune(desc).unwrap();
     let input = world.input();
     for _ in 0..5 {
         let report = world.step(&input, &mut ());
         assert!(!report.fell_back, "{report:?}");
-        exact.step(&input, &mut ());
+        monolithic.step(&input, &mut ());
     }
-    assert_eq!(world.state_hash(), exact.state_hash());
+    assert_eq!(world.state_hash(), monolithic.state_hash());
 }

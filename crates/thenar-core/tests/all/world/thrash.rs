@@ -1,6 +1,6 @@
-//! Goal: the exact solver bears violence at any stiffness and time step, and a step that it cannot
-//! make is named, made safely, and forgotten by the next. Method: a driven finger thrashed at
-//! random between a plate, a loose box and a soft block; then the same with failures forced.
+//! Goal: the monolithic solver bears violence at any stiffness and time step, and a step that it
+//! cannot make is named, made safely, and forgotten by the next. Method: a driven finger thrashed
+//! at random between a plate, a loose box and a soft block; then the same with failures forced.
 
 use crate::common::{FLESH, bar, body, finger, random};
 use thenar_core::model::{Drive, Material, Motion, SoftDesc, SolverSettings, WorldDesc};

@@ -143,7 +143,7 @@ fn comes_back(kind: &str, h: f64) {
 #[test]
 fn flesh_comes_back_to_its_bones_without_a_gain_of_energy() {
     for h in [1e-3, 5e-3, 1.0 / 60.0] {
-        comes_back("exact", h);
+        comes_back("monolithic", h);
     }
 }
 

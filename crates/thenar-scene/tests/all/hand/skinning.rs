@@ -82,7 +82,7 @@ const BEND: [&str; 2] = ["[0, 0, 1]", "[0, 0.01, 0]"];
 #[test]
 fn targets_keep_their_distance_from_the_joint() {
     for [axis, position] in [TWIST, BEND] {
-        for solver in ["exact", "two-step"] {
+        for solver in ["monolithic", "two-step"] {
             let kept = kept(axis, position, "joint", solver);
             assert_eq!(kept.len(), 8);
             assert!(kept.iter().all(|r| (r - 1.0).abs() < 1e-12), "{solver}: {kept:?}");
@@ -95,10 +95,10 @@ fn targets_keep_their_distance_from_the_joint() {
 #[test]
 fn linear_blending_narrows_a_twist_and_thins_a_bend() {
     let [axis, position] = TWIST;
-    let twisted = kept(axis, position, "lbs", "exact");
+    let twisted = kept(axis, position, "lbs", "monolithic");
     assert!(twisted.iter().all(|r| (r - 0.5_f64.sqrt()).abs() < 1e-12), "{twisted:?}");
     let [axis, position] = BEND;
-    let bent = kept(axis, position, "lbs", "exact");
+    let bent = kept(axis, position, "lbs", "monolithic");
     let least = bent.iter().fold(1.0_f64, |a, &b| a.min(b));
     assert!((least - 0.5_f64.sqrt()).abs() < 1e-12, "{bent:?}");
 }
@@ -212,7 +212,9 @@ fn offsets_by_pose_move_targets_as_the_bones_carry_them() {
         _ => [(x - y) * half, (x + y) * half, z],
     };
     for ([axis, position], name) in [(TWIST, "x"), (BEND, "z")] {
-        for (skinning, solver) in [("lbs", "exact"), ("joint", "two-step"), ("joint", "exact")] {
+        for (skinning, solver) in
+            [("lbs", "monolithic"), ("joint", "two-step"), ("joint", "monolithic")]
+        {
             // Whichever bone is named first, and with the joint the other way round.
             let plain = bar(axis, BETWEEN).replace("PLACE", position);
             let settings =

@@ -1,11 +1,12 @@
 //! Goal: a comparison tells the truth about two solvers. Method: where both must agree, a
 //! difference of zero is expected; where the paper's scheme is known to diverge (over-correction
-//! above 2, `World::joint_over_correction`), it must be reported, and the exact solver must go on.
+//! above 2, `World::joint_over_correction`), it must be reported, and the monolithic solver must go
+//! on.
 
 use std::path::Path;
 use thenar_scene::compare::sweep::{Plan, SweepError, sweep};
 use thenar_scene::compare::{
-    Cause, CompareError, CompareMode, Comparison, EXACT, Scheme, TWO_STEP,
+    Cause, CompareError, CompareMode, Comparison, MONOLITHIC, Scheme, TWO_STEP,
 };
 use thenar_scene::session::Session;
 
@@ -49,7 +50,7 @@ fn a_free_body_moves_alike_with_both() {
     // Round-off of 0.5 s at 2 m/s and 10 rad/s.
     assert!(stone.position.max < 1e-12, "{:?}", stone.position);
     assert!(stone.rotation.max < 1e-11, "{:?}", stone.rotation);
-    let fallen = comparison.sessions()[EXACT].world().rigid_pose(0).position;
+    let fallen = comparison.sessions()[MONOLITHIC].world().rigid_pose(0).position;
     assert!((fallen.x - 0.5).abs() < 1e-9, "and it did move: {fallen}");
 }
 
@@ -78,19 +79,19 @@ fn a_scheme_that_diverges_is_reported_and_the_other_goes_on() {
     let mut comparison =
         Comparison::new(sessions, CompareMode::Trajectories, Scheme::Paper).unwrap();
     run(&mut comparison, 300);
-    let [two_step, exact] = &comparison.summary().sides;
+    let [two_step, monolithic] = &comparison.summary().sides;
     let lost = two_step.diverged.expect("it diverges");
     assert!(lost.time > 0.0 && lost.time < 1.5, "{lost}");
     if let Cause::Energy { energy, bound } = lost.cause {
         assert!(energy > bound);
     }
-    assert!(exact.diverged.is_none() && exact.failed == 0);
-    let time = comparison.sessions()[EXACT].world().time();
+    assert!(monolithic.diverged.is_none() && monolithic.failed == 0);
+    let time = comparison.sessions()[MONOLITHIC].world().time();
     assert!((time - 1.5).abs() < 1e-9, "the survivor went on to the end: {time}");
     let row = comparison.row();
     let columns = comparison.columns();
     let of = |name: &str| row[columns.iter().position(|c| c.name == name).unwrap()];
-    assert!(of("two-step.energy").is_nan() && of("exact.energy").is_finite());
+    assert!(of("two-step.energy").is_nan() && of("monolithic.energy").is_finite());
 }
 
 /// Where trajectories part for good, single steps from the same state stay close.

@@ -488,7 +488,7 @@ fn a_knuckle_holds_five_newton_metres() {
             duration = 0.6
             time_step = 0.002
             [solver]
-            kind = \"exact\"
+            kind = \"monolithic\"
             [[hand]]
             preset = \"paper\"
             name = \"hand\"

@@ -265,7 +265,7 @@ fn choices_change_the_solver() {
     };
     run(&mut session, 0.1);
     let Range::Choices { choices } = get(&session, "solver").range else { panic!("no choices") };
-    assert_eq!(choices, ["exact", "two-step", "two-step, frozen flesh (paper)"]);
+    assert_eq!(choices, ["monolithic", "two-step", "two-step, frozen flesh (paper)"]);
     choose(&mut session, "solver", choices[2]);
     use thenar_core::model::{Cone, FleshInStep1};
     let solver = session.world().desc().solver;
@@ -280,19 +280,19 @@ fn choices_change_the_solver() {
     assert_eq!((solver.step1_flesh, solver.close_joints), (FleshInStep1::Lumped, true));
     assert_eq!(solver.cone, Cone::Linearised);
 
-    // Springs in bone need the exact solver.
+    // Springs in bone need the monolithic solver.
     let touch = ["hand.0.preset=touch".to_owned()];
     let text = builtin("bread-grasp").expect("a scene").text;
     let mut touch = Session::from_text(text, Path::new("test.toml"), &touch).expect("a scene");
     let word = SettingValue::Choice("two-step".into());
     let error = touch.set("solver", &word).unwrap_err().to_string();
-    assert_eq!(error, "`solver`: expected one of \"exact\", got \"two-step\"");
+    assert_eq!(error, "`solver`: expected one of \"monolithic\", got \"two-step\"");
 
     // Nor does a scene without a hand offer the dense reference.
     let Range::Choices { choices } = get(&shipped("falling-box"), "solver").range else {
         panic!("no choices")
     };
-    assert_eq!(choices, ["exact", "two-step", "two-step, frozen flesh (paper)"]);
+    assert_eq!(choices, ["monolithic", "two-step", "two-step, frozen flesh (paper)"]);
 }
 
 /// A setting replaces what the scene said, so that no rounding of a factor is left.

@@ -180,8 +180,8 @@ fn fingers_and_palm_bear_what_the_plate_does() {
 #[test]
 fn a_pair_takes_friction_by_load() {
     for (kind, pull, slips) in [
-        ("exact", 2.0, false),
-        ("exact", 3.2, true),
+        ("monolithic", 2.0, false),
+        ("monolithic", 3.2, true),
         ("two-step", 2.0, false),
         ("two-step", 3.2, true),
     ] {

@@ -67,7 +67,7 @@ fn wrong_kinds_of_values() {
     );
     check(
         "[solver]\nkind = \"monolithic\"",
-        "3:8: `solver.kind`: expected one of \"exact\", \"two-step\", got the string \"monolithic\"; the dense reference belongs to tests and `thenar validate`",
+        "3:8: `solver.kind`: expected one of \"monolithic\", \"two-step\", got the string \"monolithic\"; the dense reference belongs to tests and `thenar validate`",
     );
     check(
         "[solver]\ncg_iterations_max = 1.5",

@@ -140,8 +140,8 @@ pub fn joint_drift(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         let largest = |of: usize| (0..3).map(|k| series.largest(2 * k + of)).fold(0.0, f64::max);
         let last = |of: usize| (0..3).map(|k| series.last(2 * k + of).abs()).fold(0.0, f64::max);
         let check = if bound { Check::AtMost } else { Check::Report };
-        // The exact solver's joints are coordinates, which cannot drift.
-        let basis = if solver == Solver::Exact { Basis::Construction } else { Basis::Theory };
+        // The monolithic solver's joints are coordinates, which cannot drift.
+        let basis = if solver == Solver::Monolithic { Basis::Construction } else { Basis::Theory };
         let row = |what: &str, limit, got| {
             Figure::new(what, step_words(h), limit, got, check).rests_on(basis)
         };

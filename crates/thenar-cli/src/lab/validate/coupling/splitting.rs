@@ -11,7 +11,7 @@ use thenar_core::{Vec3, World};
 struct Difference {
     /// Largest difference of a bone's velocity \[m/s\].
     velocity: f64,
-    /// Largest violation of a joint that the exact step does not have \[m\].
+    /// Largest violation of a joint that the monolithic step does not have \[m\].
     joint: f64,
 }
 
@@ -45,7 +45,7 @@ const SCHEMES: [Scheme; 3] = [
     two_step("lumped, closed", FleshInStep1::Lumped, true),
 ];
 
-const EXACT: Scheme = Scheme {
+const MONOLITHIC: Scheme = Scheme {
     name: "monolithic",
     kind: SolverKind::DenseReference,
     flesh: FleshInStep1::Lumped,
@@ -64,11 +64,11 @@ fn stepped(start: &Run, scheme: &Scheme, h: f64) -> Result<World, CaseError> {
     Ok(world)
 }
 
-fn difference(two_step: &World, exact: &World) -> Difference {
-    let bones = 0..exact.desc().rigids.len() as u32;
-    let apart = |b: u32| (two_step.rigid_velocity(b)[0] - exact.rigid_velocity(b)[0]).norm();
-    let joints = 0..exact.desc().joints.len() as u32;
-    let gap = |j: u32| (joint_gap(two_step, j) - joint_gap(exact, j)).norm();
+fn difference(two_step: &World, monolithic: &World) -> Difference {
+    let bones = 0..monolithic.desc().rigids.len() as u32;
+    let apart = |b: u32| (two_step.rigid_velocity(b)[0] - monolithic.rigid_velocity(b)[0]).norm();
+    let joints = 0..monolithic.desc().joints.len() as u32;
+    let gap = |j: u32| (joint_gap(two_step, j) - joint_gap(monolithic, j)).norm();
     Difference {
         velocity: bones.map(apart).fold(0.0, f64::max),
         joint: joints.map(gap).fold(0.0, f64::max),
@@ -98,9 +98,9 @@ fn compare(solver: Solver, setting: &Setting, kappa: f64) -> Result<Vec<Figure>,
     start.to(setting.time)?;
     let mut found = [[Difference::default(); 3]; SCHEMES.len()];
     for (i, h) in STEPS.into_iter().enumerate() {
-        let exact = stepped(&start, &EXACT, h)?;
+        let monolithic = stepped(&start, &MONOLITHIC, h)?;
         for (found, scheme) in found.iter_mut().zip(&SCHEMES) {
-            found[i] = difference(&stepped(&start, scheme, h)?, &exact);
+            found[i] = difference(&stepped(&start, scheme, h)?, &monolithic);
         }
     }
     let mut figures = Vec::new();

@@ -94,7 +94,7 @@ pub fn pressed(solver: Solver, hand: HandVariant, angle_deg: u32) -> Result<Arc<
     static CURVES: Mutex<BTreeMap<Key, Found>> = Mutex::new(BTreeMap::new());
     let cell = {
         let mut curves = CURVES.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(curves.entry((solver == Solver::Exact, hand, angle_deg)).or_default())
+        Arc::clone(curves.entry((solver == Solver::Monolithic, hand, angle_deg)).or_default())
     };
     cell.get_or_init(|| press(solver, hand, f64::from(angle_deg)).map(Arc::new)).clone()
 }
