@@ -1,6 +1,6 @@
 //! Times the stages of a step with both solvers, on the finger of the benches: free and pressed.
 //! Prints the least time of each stage, which other load on the machine disturbs least.
-//! `cargo run --release -p thenar --example monolithic_timing`
+//! `cargo run --release -p thenar-core --example monolithic_timing`
 
 #[path = "../tests/common/mod.rs"]
 mod common;

@@ -12,8 +12,9 @@ use thenar_scene::session::{HandLoad, Session, StartOverlap};
 
 /// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3:
 /// contacts left out. 4: steps made in parts. 5: which figures to trust, and why. 6: how long
-/// tetrahedra were inside out. What an earlier version gave is there under the same keys.
-const REPORT_VERSION: u32 = 6;
+/// tetrahedra were inside out. What an earlier version gave is there under the same keys. 7: the
+/// default `solver` is called "monolithic".
+const REPORT_VERSION: u32 = 7;
 
 /// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
 pub fn report(session: &Session, outcome: &Outcome) -> Value {

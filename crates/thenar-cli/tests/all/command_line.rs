@@ -48,7 +48,7 @@ fn a_run_reports_every_promised_figure() {
     for key in ["scene", "solver", "state_hash"] {
         assert!(report[key].is_string(), "{key}");
     }
-    assert_eq!(report["report_version"], 6);
+    assert_eq!(report["report_version"], 7);
     assert_eq!(report["scene"], "soft-cube");
     assert_eq!(report["steps"], 150);
     assert_eq!(report["tets"], 320);

@@ -60,5 +60,5 @@ pub use soft::{
     BallShape, Bind, BreadShape, Deform, ElementsWord, ExplicitShape, FileShape, FixedSet,
     LatticeShape, LawWord, MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord, Terms,
 };
-pub use solver::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};
+pub use solver::{ConeWord, FleshWord, JointLimitsWord, MONOLITHIC_ONCE, SolverTable, SolverWord};
 pub use tissue::{HandLayer, HandRegionWord, HandTissueWord, NailTable, SkinTable, TissueWord};

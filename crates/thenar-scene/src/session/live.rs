@@ -2,7 +2,7 @@
 
 use super::{Entry, Session, drive};
 use crate::live::{LiveError, LiveHand, LivePose, Mover};
-use crate::tuning::{Setting, SettingError, SettingValue};
+use crate::tuning::{self, Setting, SettingError, SettingValue};
 use thenar_core::model::Side;
 use thenar_core::world::{StepReport, Target};
 
@@ -127,6 +127,12 @@ impl Session {
     /// # Errors
     /// There is no such setting, or the value is out of its range. Nothing has changed then.
     pub fn set(&mut self, key: &str, value: &SettingValue) -> Result<(), SettingError> {
+        let value = &match value {
+            SettingValue::Choice(word) => {
+                SettingValue::Choice(tuning::spelled_now(key, word).into())
+            }
+            SettingValue::Number(number) => SettingValue::Number(*number),
+        };
         let (tuning, desc) = self.tuning.with(key, value)?;
         let gravity = desc.gravity;
         self.world

@@ -5,8 +5,8 @@ use super::{Session, drive};
 use crate::flat::{FlatTarget, Flattened, target};
 use crate::grip::{GripMemory, Reflex};
 use crate::live::{LiveMemory, LiveMemoryRef};
-use crate::tuning::SettingValue;
-use serde::{Deserialize, Serialize, Serializer};
+use crate::tuning::{SettingValue, spelled_now};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use thenar_core::world::{State, StepReport, Target};
 
 /// Memory of a session, apart from it.
@@ -15,6 +15,7 @@ pub struct Memory {
     /// Steps done since the start.
     steps: u64,
     /// Settings that were changed, by key.
+    #[serde(deserialize_with = "read_set")]
     set: Vec<(String, Value)>,
     hands: Vec<HandMemory>,
     /// Memories of grips, one for each hand; empty where nobody said. A frame keeps them apart,
@@ -39,6 +40,17 @@ struct HandMemory {
 enum Value {
     Number(f64),
     Choice(String),
+}
+
+/// Reads changed settings, choices in their present spelling.
+fn read_set<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<(String, Value)>, D::Error> {
+    let mut set = Vec::<(String, Value)>::deserialize(from)?;
+    for (key, value) in &mut set {
+        if let Value::Choice(word) = value {
+            *word = spelled_now(key, word).into();
+        }
+    }
+    Ok(set)
 }
 
 /// A borrowed [`Memory`]: nothing is copied to the heap.

@@ -94,11 +94,11 @@ macro_rules! choice {
     };
 }
 
-/// A set of words; after `gone`, words of old with what to say about each.
+/// A set of words; after `once`, old spellings, which are read and never offered.
 macro_rules! words {
     ($(#[doc = $about:literal])+ pub enum $name:ident {
         $($(#[doc = $doc:literal])+ $word:literal => $variant:ident,)*
-    } $(gone { $($old:literal => $why:literal,)* })?) => {
+    } $(once { $($old:ident => $now:literal,)* })?) => {
         $(#[doc = $about])+
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum $name { $($(#[doc = $doc])+ $variant,)* }
@@ -107,8 +107,8 @@ macro_rules! words {
             fn read(
                 node: &$crate::text::Node, cx: &$crate::text::Cx<'_>,
             ) -> Result<Self, $crate::text::Fault> {
-                let gone = &[$($(($old, $why)),*)?];
-                match $crate::text::declare::word(node, cx, &[$($word),*], gone)? {
+                let once = &[$($(($old, $now)),*)?];
+                match $crate::text::declare::word(node, cx, &[$($word),*], once)? {
                     $($word => Ok(Self::$variant),)*
                     _ => Err(cx.fault(&node.place, "unknown word")),
                 }
@@ -145,21 +145,22 @@ pub(crate) use {choice, default, range, table, words};
 
 use super::{Cx, Fault, Node, Range, Step, Value, nearest};
 
-/// The word in `node`, one of `known`; `gone` says what became of others.
+/// The word in `node`, one of `known`; `once` has old spellings, each with the present one.
 pub(crate) fn word<'a>(
     node: &'a Node,
     cx: &Cx<'_>,
     known: &[&str],
-    gone: &[(&str, &str)],
+    once: &[(&str, &'static str)],
 ) -> Result<&'a str, Fault> {
     let list = || format!("one of \"{}\"", known.join("\", \""));
     match &node.value {
         Value::Text(word) if known.contains(&word.as_str()) => Ok(word),
         Value::Text(word) => {
+            if let Some((_, now)) = once.iter().find(|(old, _)| old == word) {
+                return Ok(now);
+            }
             let mut fault = cx.expected(node, list());
-            if let Some((_, why)) = gone.iter().find(|(old, _)| old == word) {
-                fault.problem.push_str(&format!("; {why}"));
-            } else if let Some(near) = nearest(word, known.iter().copied()) {
+            if let Some(near) = nearest(word, known.iter().copied()) {
                 fault.problem.push_str(&format!("; did you mean \"{near}\"?"));
             }
             Err(fault)

@@ -27,8 +27,8 @@ pub const ALL: &[SettingDef] = &[
     SettingDef {
         key: "solver",
         label: "Solver",
-        help: "Monolithic solves bones, flesh and contact together. Two-step moves the bones first, \
-               then bones and flesh. With frozen flesh the first step is the paper's, which flies \
+        help: "Monolithic solves bones, flesh and contact together. Two-step moves the bones \
+               first, then bones and flesh. With frozen flesh the first step is the paper's, which flies \
                apart unless the flesh is bound softly: lower \"Flesh on bone\" to its least first, \
                and restart afterwards. Two-step is offered for the paper's hand alone: where flesh \
                hangs on bone it gains energy.",

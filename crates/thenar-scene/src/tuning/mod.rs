@@ -7,6 +7,7 @@
 mod apply;
 mod list;
 
+use crate::format::MONOLITHIC_ONCE;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use thenar_core::model::WorldDesc;
@@ -103,6 +104,11 @@ pub enum SettingError {
         /// Reason in words.
         cause: String,
     },
+}
+
+/// The present spelling of a choice, which may come in an old one.
+pub(crate) fn spelled_now<'a>(key: &str, word: &'a str) -> &'a str {
+    if key == "solver" && word == MONOLITHIC_ONCE { apply::MONOLITHIC } else { word }
 }
 
 /// A scene's settings.

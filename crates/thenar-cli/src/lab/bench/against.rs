@@ -10,6 +10,7 @@ use super::samples::Samples;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use thenar_scene::format::MONOLITHIC_ONCE;
 
 /// The other build, and how long to measure.
 #[derive(Debug, clap::Args)]
@@ -138,12 +139,12 @@ fn measure(program: &Path, args: &Args) -> Result<Vec<Run>, String> {
     runs_of(&figures).ok_or_else(|| failed("wrote figures of another form"))
 }
 
-/// The monolithic solver's figures, of each work.
+/// The monolithic solver's figures, of each work; an older build has them under its old name.
 fn runs_of(figures: &Value) -> Option<Vec<Run>> {
     let of = |work: &Value| {
         let (name, tets) = (work["work"].as_str()?, work["tets"].as_u64()?);
         let ms = 1e3 * work["time_step_s"].as_f64()?;
-        let monolithic = &work["monolithic"];
+        let monolithic = work.get("monolithic").or_else(|| work.get(MONOLITHIC_ONCE))?;
         Some(Run {
             work: format!("{tets} tets, {name}, {ms:.2} ms"),
             median: monolithic["median_ms"].as_f64()?,
@@ -190,5 +191,13 @@ mod tests {
         assert_eq!([pairs.ratios.quantile(0.0), pairs.ratios.quantile(1.0)], [0.5, 0.9]);
         assert_eq!(pairs.least, [1.0, 3.0]);
         assert!(runs_of(&json!({ "works": [{ "work": "free" }] })).is_none());
+    }
+
+    #[test]
+    fn figures_of_older_builds_are_read() {
+        let text = figures(&[("free", 2.0, 1.5)]).to_string();
+        let older = text.replace("monolithic", MONOLITHIC_ONCE);
+        let runs = runs_of(&serde_json::from_str(&older).expect("JSON")).expect("figures");
+        assert_eq!((runs[0].median, runs[0].least), (2.0, 1.5));
     }
 }

@@ -4,12 +4,14 @@ use super::case::{CaseError, SceneText};
 use std::path::Path;
 use thenar_core::World;
 use thenar_core::world::{ContactPoint, Input};
+use thenar_scene::format::MONOLITHIC_ONCE;
 use thenar_scene::session::Session;
 
 /// The solver that cases run with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Solver {
     /// Joints, flesh and contact in one system: the default.
+    #[value(alias = MONOLITHIC_ONCE)]
     Monolithic,
     /// The paper's.
     TwoStep,
@@ -186,4 +188,18 @@ impl Series {
 /// Order of convergence from the errors at steps that shrink by `factor`.
 pub fn order(coarse: f64, fine: f64, factor: f64) -> f64 {
     (coarse.abs() / fine.abs()).ln() / factor.ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::ValueEnum;
+
+    #[test]
+    fn the_old_spelling_of_a_solver_is_taken_and_not_offered() {
+        assert_eq!(Solver::from_str(MONOLITHIC_ONCE, false), Ok(Solver::Monolithic));
+        let named = |solver: &Solver| solver.to_possible_value().map(|v| v.get_name().to_owned());
+        let offered: Vec<_> = Solver::value_variants().iter().filter_map(named).collect();
+        assert_eq!(offered, ["monolithic", "two-step"]);
+    }
 }

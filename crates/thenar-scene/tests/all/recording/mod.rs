@@ -7,5 +7,6 @@ mod bits;
 mod damage;
 mod difference;
 mod fuzz;
+mod old_words;
 mod stage;
 mod tampered;

@@ -66,8 +66,8 @@ fn wrong_kinds_of_values() {
         "3:8: `solver.cone`: expected one of \"circular\", \"linearised\", got the string \"circlar\"; did you mean \"circular\"?",
     );
     check(
-        "[solver]\nkind = \"monolithic\"",
-        "3:8: `solver.kind`: expected one of \"monolithic\", \"two-step\", got the string \"monolithic\"; the dense reference belongs to tests and `thenar validate`",
+        "[solver]\nkind = \"monolitic\"",
+        "3:8: `solver.kind`: expected one of \"monolithic\", \"two-step\", got the string \"monolitic\"; did you mean \"monolithic\"?",
     );
     check(
         "[solver]\ncg_iterations_max = 1.5",

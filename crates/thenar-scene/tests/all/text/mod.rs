@@ -7,6 +7,7 @@ mod format;
 mod fuzz_scenes;
 mod grips;
 mod meshes;
+mod old_words;
 mod scenes;
 mod shapes;
 mod tissue;
