@@ -23,7 +23,11 @@ pub fn short(x: f64) -> String {
         return format!("{x}");
     }
     let places = (1.0 - x.abs().log10().floor()).clamp(0.0, 12.0) as usize;
-    let text = format!("{x:.places$}");
+    without_zeros(format!("{x:.places$}"))
+}
+
+/// A number's text without zeros at the end of its decimals.
+pub fn without_zeros(text: String) -> String {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').into(),
         false => text,

@@ -13,6 +13,7 @@ use thenar_core::kernels::{
 use thenar_core::model::{
     Binding, Drive, Law, Material, Motion, Relaxation, SolverKind, Springs, WorldDesc,
 };
+use thenar_core::random::Random;
 use thenar_core::shape::Shape;
 use thenar_core::world::{Input, Target};
 use thenar_core::{Mat3, Pose, Quat, Vec3, World};
@@ -95,10 +96,8 @@ fn tissue((law, remembers): (Law, bool)) -> World {
         flesh.relaxation = vec![relaxation; flesh.tets.len()];
     }
     let mut world = World::new(desc).expect("the bench's own world");
-    let mut seed = 7;
-    let strained: Vec<Vec3> = (world.nodes(0).iter())
-        .map(|x| x + Vec3::from_fn(|_, _| 5e-5 * common::random(&mut seed)))
-        .collect();
+    let mut random = Random::new(7);
+    let strained: Vec<Vec3> = (world.nodes(0).iter()).map(|x| x + random.vector(5e-5)).collect();
     world.set_nodes(0, &strained);
     world
 }

@@ -11,8 +11,6 @@ mod flesh;
 pub mod histogram;
 pub mod math;
 pub mod model;
-#[cfg(test)]
-mod noise;
 mod processor;
 pub mod random;
 pub mod readout;

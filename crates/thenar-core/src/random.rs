@@ -1,14 +1,18 @@
 //! Random numbers that are the same everywhere (SplitMix64, Steele et al. 2014).
 
+use crate::math::{Pose, Quat, Vec3};
+
 /// A series of random numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Random {
     state: u64,
 }
 
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+/// The golden ratio's fraction in 64 bits, made odd.
+pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-fn mix(mut z: u64) -> u64 {
+/// Spreads 64 bits, one to one.
+pub(crate) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
@@ -41,9 +45,36 @@ impl Random {
         0.5 * (self.symmetric() + 1.0)
     }
 
+    /// The next number of a series of mean 0 and deviation 1, nearly normal: the sum of twelve even
+    /// numbers, each of variance 1/3, halved.
+    pub fn normal(&mut self) -> f64 {
+        0.5 * (0..12).map(|_| self.symmetric()).sum::<f64>()
+    }
+
     /// The next whole number below `n`; 0 if `n` is 0.
     pub fn below(&mut self, n: usize) -> usize {
         (self.bits() >> 33) as usize % n.max(1)
+    }
+
+    /// The next number from `a` to `b`.
+    pub fn range(&mut self, a: f64, b: f64) -> f64 {
+        a + (b - a) * self.unit()
+    }
+
+    /// The next vector from the cube with edges of `2 reach` about the origin.
+    pub fn vector(&mut self, reach: f64) -> Vec3 {
+        Vec3::new(self.symmetric(), self.symmetric(), self.symmetric()) * reach
+    }
+
+    /// The next turn, by up to `angle` \[rad\] about any axis.
+    pub fn rotation(&mut self, angle: f64) -> Quat {
+        let axis = self.vector(1.0).normalize();
+        Quat::from_scaled_axis(axis * self.range(-angle, angle))
+    }
+
+    /// The next pose: a place in the cube with edges of `2 reach` about the origin, turned anyhow.
+    pub fn pose(&mut self, reach: f64) -> Pose {
+        Pose::new(self.vector(reach), Quat::from_scaled_axis(self.vector(2.0)))
     }
 }
 
@@ -71,6 +102,31 @@ mod tests {
             assert!(neighbours.abs() < 0.02, "{neighbours}");
         }
         assert_ne!(random_at([1, 2, 3, 4]), random_at([1, 2, 4, 3]));
+    }
+
+    #[test]
+    fn vectors_turns_and_ranges_keep_to_their_bounds() {
+        let mut random = Random::new(5);
+        let (mut sum, mut square) = (0.0, 0.0);
+        for _ in 0..20_000 {
+            assert!((-3.0..2.0).contains(&random.range(-3.0, 2.0)));
+            assert!(random.vector(0.5).amax() <= 0.5);
+            assert!(random.rotation(0.3).angle() < 0.3 + 1e-12);
+            assert!(random.pose(0.5).position.amax() <= 0.5);
+            let x = random.normal();
+            (sum, square) = (sum + x, square + x * x);
+        }
+        // Five standard deviations: of the mean 1 / √n = 0.0071, of the square √(2 / n) = 0.01.
+        assert!((sum / 2e4).abs() < 0.036 && (square / 2e4 - 1.0).abs() < 0.05, "{sum} {square}");
+    }
+
+    /// Values of SplitMix64 that are published for the state 1234567.
+    #[test]
+    fn bits_are_those_of_splitmix() {
+        let mut random = Random { state: 1_234_567 };
+        let bits = [0; 3].map(|_| random.bits());
+        let published = [6457827717110365317, 3203168211198807973, 9817491932198370423];
+        assert_eq!(bits, published);
     }
 
     #[test]

@@ -1,40 +1,4 @@
-//! Tools that tests share: seeded random numbers and finite differences.
-
-use crate::math::{Quat, Vec3};
-
-/// xorshift64* (Vigna 2016), seeded.
-pub struct Random(u64);
-
-impl Random {
-    /// A generator; the seed must not be zero.
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-
-    /// 64 random bits.
-    pub fn next(&mut self) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
-    }
-
-    /// Uniform in [a, b).
-    pub fn range(&mut self, a: f64, b: f64) -> f64 {
-        a + (b - a) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Uniform in the cube of half edge `r`.
-    pub fn vec3(&mut self, r: f64) -> Vec3 {
-        Vec3::new(self.range(-r, r), self.range(-r, r), self.range(-r, r))
-    }
-
-    /// A rotation about a random axis by up to `angle` \[rad\].
-    pub fn rotation(&mut self, angle: f64) -> Quat {
-        let axis = self.vec3(1.0).normalize();
-        Quat::from_scaled_axis(axis * self.range(-angle, angle))
-    }
-}
+//! Finite differences that tests compare with.
 
 /// Central differences of a vector function of a vector: entry `[i][j]` is ∂f_i/∂x_j.
 pub fn jacobian(f: impl Fn(&[f64]) -> Vec<f64>, x: &[f64], step: f64) -> Vec<Vec<f64>> {

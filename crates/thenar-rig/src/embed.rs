@@ -1,7 +1,7 @@
 //! Soft bodies without bones: a closed surface embedded in tetrahedra.
 
 use crate::lattice::{Lattice, LatticeOptions, Quality};
-use crate::mesh::{Hole, Topology, close_holes, decimate, subdivide_to, weld};
+use crate::mesh::{Hole, Topology, close_holes, decimate, subdivide_to, weld_near};
 use crate::object::SoftModel;
 use crate::size::sensible_size;
 use crate::work::phase;
@@ -62,9 +62,6 @@ impl Embedded {
         SoftModel { name: name.to_owned(), flesh: self.flesh, render: self.render }
     }
 }
-
-/// Vertices closer than this part of the mesh's size are one.
-const WELD: f64 = 1e-6;
 
 /// The mesh of a file as [`embed`] wants it: welded, of one closed piece, its outside out.
 ///
@@ -143,8 +140,7 @@ fn mended(mut whole: TriMesh) -> Result<(TriMesh, Vec<Hole>), RigError> {
 fn welded(mesh: &TriMesh) -> Result<TriMesh, RigError> {
     mesh.check()?;
     phase("welding the mesh")?;
-    let [low, high] = mesh.bounds();
-    Ok(weld(mesh, WELD * (high - low).norm()).mesh.compacted())
+    Ok(weld_near(mesh))
 }
 
 /// Fills a closed, outward-facing mesh with tetrahedra. `material` gives the material at each

@@ -4,13 +4,11 @@ use crate::RigError;
 use crate::TriMesh;
 use crate::embed::check_closed;
 use crate::mesh::level::Field;
-use crate::mesh::{Bvh, GridOptions, Inside, components, distance_grid, weld};
+use crate::mesh::{Bvh, GridOptions, Inside, components, distance_grid, weld_near};
 use crate::size::sensible_size;
 use crate::work::phase;
 use thenar_core::Vec3;
 
-/// Vertices closer than this part of the mesh's size are one.
-const WELD: f64 = 1e-6;
 /// Cells of the grid along the longest side of several skins: 9 mm of a person, 1 mm of a hand.
 const CELLS: u32 = 200;
 /// Values of the grid at most.
@@ -36,8 +34,7 @@ pub(crate) fn united(mesh: &TriMesh) -> Result<United, RigError> {
     mesh.check()?;
     sensible_size(mesh.bounds())?;
     phase("joining the meshes of the skin")?;
-    let [low, high] = mesh.bounds();
-    let mut welded = weld(mesh, WELD * (high - low).norm()).mesh.compacted();
+    let mut welded = weld_near(mesh);
     if welded.triangles.is_empty() {
         return Err(RigError::invalid("all triangles of the skin are without extent"));
     }

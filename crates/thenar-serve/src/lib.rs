@@ -8,3 +8,4 @@ pub mod live;
 pub mod page;
 pub mod playback;
 pub mod protocol;
+mod rounds;

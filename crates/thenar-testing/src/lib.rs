@@ -2,12 +2,14 @@
 //! share of many cases, ports and pipes.
 
 pub mod allocations;
+mod damage;
 mod mutator;
 #[cfg(unix)]
 mod pipe;
 mod ports;
 mod share;
 
+pub use damage::damaged;
 pub use mutator::Mutator;
 #[cfg(unix)]
 pub use pipe::make_pipe;

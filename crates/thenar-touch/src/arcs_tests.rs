@@ -4,10 +4,10 @@
 
 use super::*;
 use crate::shared::CondensedContact;
-use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
 use thenar_core::Mat3;
 use thenar_core::model::Drive;
+use thenar_core::random::Random;
 
 fn drive(stiffness: f64, angular_stiffness: f64) -> Drive {
     Drive { stiffness, damping: 0.0, angular_stiffness, angular_damping: 0.0 }
@@ -306,7 +306,7 @@ fn ticks_come_to_rest_where_the_energy_has_no_slope() {
                 led[0] += random.range(-0.01, 0.01);
                 (2..N).for_each(|i| led[i] += random.range(-0.4, 0.4));
                 let mut away =
-                    [0; 4].map(|_| random.vec3(0.002).component_mul(&Vec3::new(1.0, 1.0, 0.0)));
+                    [0; 4].map(|_| random.vector(0.002).component_mul(&Vec3::new(1.0, 1.0, 0.0)));
                 away[0] -= away.iter().sum::<Vec3>();
                 let frame = finger.frame(&start, &away);
                 let proxies = Finger::poses(&led);

@@ -74,8 +74,8 @@ impl StopLatch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
     use thenar_core::math::Quat;
+    use thenar_core::random::Random;
 
     /// A hand palm down: the table pushes up, into the pad, whatever the shear.
     #[test]

@@ -83,10 +83,6 @@ pub mod shared;
 mod single_rate;
 mod smooth;
 mod stability;
-#[cfg(test)]
-#[allow(dead_code)] // the core's tests use all of it
-#[path = "../../thenar-core/src/testing.rs"]
-mod testing;
 mod touch;
 mod turn;
 pub mod virtual_user;

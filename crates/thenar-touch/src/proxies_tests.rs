@@ -1,12 +1,12 @@
 //! Goal: proxies obey their equations of motion. Method: statics by hand, energy at random, the
 //! analytic oscillator, the free body.
 
-use crate::testing::Random;
 use crate::{CouplingDesign, series_stiffness};
 use crate::{Proxies, Proxy, ProxyError, RigidState};
 use thenar_core::Pose;
 use thenar_core::math::{Mat3, Quat, Vec3, rotation_vector};
 use thenar_core::model::Drive;
+use thenar_core::random::Random;
 
 fn finger_bone() -> Proxy {
     let inertia = Mat3::from_diagonal(&Vec3::new(3e-7, 3e-8, 3.1e-7));
@@ -64,9 +64,9 @@ fn energy_never_grows() {
             bone: if trial % 2 == 0 { drive(&mut random) } else { finger_bone().bone },
         };
         let mut state = |speed: f64| RigidState {
-            pose_WB: Pose::new(random.vec3(0.1), random.rotation(3.1)),
-            velocity_W: random.vec3(speed),
-            angular_velocity_W: random.vec3(100.0 * speed),
+            pose_WB: Pose::new(random.vector(0.1), random.rotation(3.1)),
+            velocity_W: random.vector(speed),
+            angular_velocity_W: random.vector(100.0 * speed),
         };
         let (start, tracked, bone) = (state(2.0), state(0.0), state(0.0));
         let h = [1e-4, 1e-3, 1e-2, 0.1][trial % 4];

@@ -22,8 +22,8 @@ pub(crate) fn rotation_vector(q: &Quat) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
     use thenar_core::math::rotation_vector as exact;
+    use thenar_core::random::Random;
 
     /// About any axis, by angles from nothing to half a turn, on both sides of where the series
     /// ends, and with either sign of the quaternion: the vector that made the rotation.
@@ -34,7 +34,7 @@ mod tests {
         let angles = [0.0, 1e-12, 1e-4, 0.01, end - 1e-9, end + 1e-9, 0.5, 3.1];
         for angle in angles {
             for _ in 0..50 {
-                let vector = random.vec3(1.0).normalize() * angle;
+                let vector = random.vector(1.0).normalize() * angle;
                 let q = Quat::from_scaled_axis(vector);
                 for q in [q, Quat::new_unchecked(-q.into_inner())] {
                     let got = rotation_vector(&q);

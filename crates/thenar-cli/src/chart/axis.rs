@@ -1,5 +1,7 @@
 //! Axes: from values to places, and where numbers stand.
 
+use crate::words::without_zeros;
+
 /// A range of values, evenly or by powers of ten.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
@@ -93,11 +95,7 @@ fn number(x: f64) -> String {
         return format!("{x:.0e}");
     }
     let decimals = (2.0 - size.log10().floor()).clamp(0.0, 5.0) as usize;
-    let text = format!("{x:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').into(),
-        false => text,
-    }
+    without_zeros(format!("{x:.decimals$}"))
 }
 
 #[cfg(test)]

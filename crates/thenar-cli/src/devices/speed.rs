@@ -3,27 +3,15 @@
 
 use thenar_core::model::Side;
 use thenar_core::{Pose, Vec3};
+use thenar_link::latency::{LEVER_HAND, LEVERS, TIPS};
 use thenar_link::{DIGITS, HandSample};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;
 
-/// From each bending joint of a straight finger to its tip \[m\], thumb first, of a hand as long as
-/// `LEVER_HAND`. A bent finger's tip is slower: what is too much errs on the safe side.
-const LEVERS: [[f64; 3]; DIGITS] = [
-    [0.106, 0.060, 0.027],
-    [0.095, 0.050, 0.024],
-    [0.105, 0.055, 0.025],
-    [0.098, 0.053, 0.025],
-    [0.078, 0.042, 0.023],
-];
-/// Wrist to middle fingertip \[m\].
-const LEVER_HAND: f64 = 0.19;
 /// Two samples nearer to each other tell the sensor's steps, not a speed \[s\].
 const SPAN_MIN: f64 = 0.005;
 /// Two samples further from each other, or a last one as old, tell none \[s\].
 const SPAN_MAX: f64 = 0.1;
-/// Joints of the fingertips among the 25.
-const TIPS: [usize; DIGITS] = [4, 9, 14, 19, 24];
 
 /// Speeds between the newest two samples.
 pub struct Speeds {
@@ -44,6 +32,7 @@ enum PoseSample {
 impl Speeds {
     /// Speeds of a hand of this length \[m\].
     pub fn new(side: Side, hand_length: f64) -> Self {
+        // A bent finger's tip is slower: what is too much errs on the safe side.
         let levers = LEVERS.map(|finger| finger.map(|lever| lever * hand_length / LEVER_HAND));
         Self { side, levers, last: None, digits: [0.0; DIGITS], wrist: Vec3::zeros() }
     }

@@ -299,7 +299,7 @@ fn rows_times(matrix: &[f64], x: &[f64], out: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
     use nalgebra::{DMatrix, DVector};
 
     /// The change of all values under one contact's force is its column of `J C Jᵀ + W`.
@@ -336,7 +336,7 @@ mod tests {
             assert!(frame.prepare());
             let B = &J * C * J.transpose() + W;
             for i in 0..contacts {
-                let change = random.vec3(1.0);
+                let change = random.vector(1.0);
                 let mut values = vec![Vec3::x(); contacts];
                 frame.add_response(i, &change, &mut values);
                 let mut force = DVector::zeros(m);

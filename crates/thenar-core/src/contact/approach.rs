@@ -210,7 +210,7 @@ fn way_back(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<(Distance, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     const PLATE: Shape = Shape::Cuboid { half: Vec3::new(0.1, 0.001, 0.1) };
 
@@ -249,7 +249,7 @@ mod tests {
             Shape::Sphere { radius: 0.1 },
             Shape::Cuboid { half: Vec3::new(0.3, 0.002, 0.2) },
         ];
-        let mut noise = Noise(7);
+        let mut noise = Random::new(7);
         let mut arrived = 0;
         for i in 0..50_000 {
             let shape = &shapes[i % 5];

@@ -278,12 +278,12 @@ fn signed(p: &Vec3, facing: &[Facing], other: &Skin) -> Distance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// Planes set no two triangles farther apart than any two of their points are.
     #[test]
     fn planes_bound_the_distance_of_triangles() {
-        let (mut random, mut told) = (Noise::seeded(16), 0);
+        let (mut random, mut told) = (Random::new(16), 0);
         let n = 12;
         for i in 0..500 {
             let x = [0; 3].map(|_| random.vector(0.005));

@@ -110,7 +110,7 @@ mod tests {
     use crate::contact::MeshShape;
     use crate::contact::grid::tests::grid_of;
     use crate::contact::tests::{boxed, cube};
-    use crate::noise::Noise;
+    use crate::random::Random;
     use std::sync::Arc;
 
     /// Triangles about faces, edges and corners of a cube: those found to be beyond are, and most
@@ -120,7 +120,7 @@ mod tests {
         let (points, triangles) = cube(0.04, 3);
         let mesh = MeshShape::new(points, triangles, grid_of(&boxed(0.02), 0.03, 13));
         let shape = Shape::Mesh(Arc::new(mesh.clone()));
-        let mut random = Noise::seeded(4);
+        let mut random = Random::new(4);
         let (mut told, mut all, mut parts_told, mut parts) = (0, 0, 0, 0);
         for i in 0..2000 {
             // Upon a face, along it or not.

@@ -249,7 +249,7 @@ fn part_below(gaps: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
     use std::cell::Cell;
 
     #[test]
@@ -290,7 +290,7 @@ mod tests {
     /// The bounds find as many parts below as all samples do, and spare a third of the samples.
     #[test]
     fn bounds_tell_what_samples_would() {
-        let (mut random, mut all_asked) = (Noise::seeded(6), 0);
+        let (mut random, mut all_asked) = (Random::new(6), 0);
         for i in 0..300 {
             let x = [0; 3].map(|_| random.vector(0.01));
             let radius = 0.002 + 0.05 * random.unit();
@@ -334,7 +334,7 @@ mod tests {
     /// reaches beside it; on skin that leans on both sides, as they open.
     #[test]
     fn edges_touch_strips() {
-        let mut random = Noise::seeded(11);
+        let mut random = Random::new(11);
         let x =
             [Vec3::new(-2e-3, 0.0, -1e-3), Vec3::new(0.0, 0.0, 2e-3), Vec3::new(2e-3, 0.0, -1e-3)];
         let area = area_vector(&x).norm();
@@ -371,7 +371,7 @@ mod tests {
     /// leans.
     #[test]
     fn planes_that_are_one_cut_like_it() {
-        let mut random = Noise::seeded(5);
+        let mut random = Random::new(5);
         for i in 0..300_000 {
             let x = [0; 3].map(|_| random.vector(2e-3) + Vec3::new(0.3, -0.2, 0.5));
             let gradient = random.vector(1.0).normalize();
@@ -391,7 +391,7 @@ mod tests {
     /// The nearer of two flat pieces that meet in a hollow counts.
     #[test]
     fn hollows_touch_where_either_side_does() {
-        let mut random = Noise::seeded(12);
+        let mut random = Random::new(12);
         let x = [Vec3::zeros(), Vec3::new(4e-4, 0.0, 0.0), Vec3::new(1e-4, 3e-4, 0.0)];
         for i in 0..2000 {
             let steep = (0.1 + 0.4 * random.unit()) * Vec3::x();

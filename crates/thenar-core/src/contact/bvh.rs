@@ -371,9 +371,9 @@ fn push(stack: &mut [(u32, u32)], top: &mut usize, n: usize, m: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
-    fn boxes(random: &mut Noise, n: usize) -> Vec<Aabb> {
+    fn boxes(random: &mut Random, n: usize) -> Vec<Aabb> {
         (0..n)
             .map(|_| {
                 let center = random.vector(1.0);
@@ -385,7 +385,7 @@ mod tests {
     /// Against brute force, before and after the items have moved.
     #[test]
     fn queries_match_brute_force() {
-        let mut random = Noise::seeded(1);
+        let mut random = Random::new(1);
         for n in [0, 1, 4, 5, 300] {
             let mut tree = Bvh::build(&boxes(&mut random, n));
             let moved = boxes(&mut random, n);
@@ -409,7 +409,7 @@ mod tests {
 
     #[test]
     fn pairs_match_brute_force() {
-        let mut random = Noise::seeded(2);
+        let mut random = Random::new(2);
         for (n, m) in [(0, 3), (1, 1), (5, 200), (300, 70)] {
             let (one, two) = (boxes(&mut random, n), boxes(&mut random, m));
             let near = |a: &Aabb, b: &Aabb| a.inflate(0.03).overlaps(b);

@@ -238,7 +238,7 @@ mod tests {
     use crate::contact::tests::{Scene, boxed, cube, moved};
     use crate::contact::{Detector, SearchReport, SeenSides, SurfaceState};
     use crate::model::Motion;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     const SLACK: f64 = 5e-4;
 
@@ -274,7 +274,7 @@ mod tests {
     /// found, of pairs that are often fewer.
     #[test]
     fn what_has_got_deeper_is_looked_at() {
-        let (mut random, mut deeper, mut fewer) = (Noise::seeded(3), 0, 0);
+        let (mut random, mut deeper, mut fewer) = (Random::new(3), 0, 0);
         let before = scene();
         assert_eq!(search(&before, None).penetration, 0.0);
         for i in 0..300 {

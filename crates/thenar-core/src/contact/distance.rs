@@ -168,7 +168,7 @@ fn cuboid(p: &Vec3, half: &Vec3) -> Distance {
 mod tests {
     use super::*;
     use crate::math::Pose;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     fn shapes() -> Vec<Shape> {
         vec![
@@ -189,7 +189,7 @@ mod tests {
     /// Central differences, away from the creases where the distance has no gradient.
     #[test]
     fn gradients_match_finite_differences() {
-        let mut random = Noise::seeded(7);
+        let mut random = Random::new(7);
         let step = 1e-7;
         for shape in shapes() {
             let mut tested = 0;
@@ -216,7 +216,7 @@ mod tests {
     /// found by sampling is nearer.
     #[test]
     fn distance_is_that_of_the_nearest_surface_point() {
-        let mut random = Noise::seeded(11);
+        let mut random = Random::new(11);
         for shape in shapes() {
             for _ in 0..200 {
                 let p = random.vector(0.05);

@@ -54,13 +54,13 @@ fn root(z: &Vec3, a: &Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// A point put off the surface along its normal, as far as no other point is nearer, is as far
     /// from it as it was put.
     #[test]
     fn points_along_a_normal_are_as_far_as_they_were_put() {
-        let mut random = Noise::seeded(4);
+        let mut random = Random::new(4);
         let halves = [
             Vec3::new(0.03, 0.02, 0.01),
             Vec3::new(0.001, 0.1, 0.1),

@@ -7,7 +7,7 @@ use crate::contact::tests::{Scene, boxed};
 use crate::contact::{Contact, RigidPlace, Shape};
 use crate::math::{Pose, Quat, Vec3};
 use crate::model::Motion;
-use crate::noise::Noise;
+use crate::random::Random;
 
 const RADIUS: f64 = 0.003;
 const HALF_LENGTH: f64 = 0.012;
@@ -42,7 +42,7 @@ fn closed_by(scene: &Scene, c: &Contact) -> f64 {
 
 #[test]
 fn spinning_bodies_are_announced_if_they_meet_and_only_then() {
-    let mut random = Noise::seeded(77);
+    let mut random = Random::new(77);
     let capsule = Shape::Capsule { radius: RADIUS, half_length: HALF_LENGTH };
     let others = [
         capsule.clone(),
@@ -104,7 +104,7 @@ fn bodies() -> [Shape; 9] {
 
 /// Returns a lower bound of the depth at which two shapes overlap \[m\]: the deepest of many places
 /// in both; negative where none is in both.
-fn overlap(shapes: [&Shape; 2], poses: [Pose; 2], random: &mut Noise) -> f64 {
+fn overlap(shapes: [&Shape; 2], poses: [Pose; 2], random: &mut Random) -> f64 {
     let depth = |p: Vec3| {
         let of = |i: usize| -shapes[i].distance(&poses[i].inverse_point(&p)).value;
         of(0).min(of(1))
@@ -126,7 +126,7 @@ fn overlap(shapes: [&Shape; 2], poses: [Pose; 2], random: &mut Noise) -> f64 {
 #[test]
 fn overlaps_are_told_by_a_contact() {
     let shapes = bodies();
-    let mut random = Noise::seeded(5);
+    let mut random = Random::new(5);
     let mut overlapping = 0;
     for i in 0..4050 {
         let pair = [i % 9, i / 9 % 9];
@@ -150,7 +150,7 @@ fn overlaps_are_told_by_a_contact() {
 #[test]
 fn bodies_apart_are_never_told_to_overlap() {
     let shapes = bodies();
-    let mut random = Noise::seeded(5);
+    let mut random = Random::new(5);
     let mut announced = 0;
     for i in 0..8100 {
         let pair = [i % 9, i / 9 % 9];

@@ -74,7 +74,7 @@ impl DistanceGrid {
 pub(crate) mod tests {
     use super::*;
     use crate::contact::Shape;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// The exact distance of `shape` sampled on a grid of `n`³ values over ±`reach`.
     pub fn grid_of(shape: &Shape, reach: f64, n: u32) -> DistanceGrid {
@@ -96,7 +96,7 @@ pub(crate) mod tests {
     fn bounds_and_sides_are_those_of_the_shape() {
         let shape = Shape::Sphere { radius: 0.5 };
         let grid = grid_of(&shape, 1.0, 33);
-        let mut random = Noise::seeded(5);
+        let mut random = Random::new(5);
         for _ in 0..1000 {
             let p = random.vector(1.3);
             let exact = shape.distance(&p).value;

@@ -190,7 +190,7 @@ mod tests {
     /// that it stands on.
     #[test]
     fn a_rim_keeps_its_points_as_it_settles() {
-        let mut random = crate::noise::Noise::seeded(5);
+        let mut random = crate::random::Random::new(5);
         let radius = 0.04;
         let mut chosen = |tremble: f64| {
             let mut manifold = Manifold::new();

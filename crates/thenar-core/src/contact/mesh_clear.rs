@@ -55,7 +55,7 @@ mod tests {
     use crate::contact::tests::{boxed, cube};
     use crate::math::{Mat3, Pose, Quat};
     use crate::model::{Motion, RigidDesc};
-    use crate::noise::Noise;
+    use crate::random::Random;
     use std::sync::Arc;
 
     fn body(shape: Shape) -> RigidBody {
@@ -82,7 +82,7 @@ mod tests {
         let mesh = MeshShape::new(points, triangles, grid_of(&boxed(0.02), 0.03, 13));
         let cubic = body(Shape::Mesh(Arc::new(mesh.clone())));
         let reach = Reach { h: 0.0, margin: 1e-3 };
-        let mut random = Noise::seeded(9);
+        let mut random = Random::new(9);
         let (mut clear, mut far) = (0, 0);
         for i in 0..3000 {
             let (radius, half_length) = (0.004, if i % 3 == 0 { 0.0 } else { 0.015 });

@@ -316,7 +316,7 @@ mod tests {
     use crate::contact::triangle::ROUNDED_UP;
     use crate::contact::{MeshShape, PlacedShape, Shape};
     use crate::math::Pose;
-    use crate::noise::Noise;
+    use crate::random::Random;
     use std::cell::Cell;
     use std::f64::consts::{PI, TAU};
     use std::sync::Arc;
@@ -367,7 +367,7 @@ mod tests {
 
     #[test]
     fn distances_are_exact_near_and_far() {
-        let mut random = Noise::seeded(31);
+        let mut random = Random::new(31);
         let inner: Surface = {
             let (points, triangles) = cube(0.02, 2);
             (points, triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect())
@@ -393,7 +393,7 @@ mod tests {
     /// Whatever is guessed and known, near or far, and of pieces within each other.
     #[test]
     fn a_guess_changes_nothing() {
-        let mut random = Noise::seeded(4);
+        let mut random = Random::new(4);
         let mut other = cube(0.02, 3);
         other.0.iter_mut().for_each(|p| p.x += 0.03);
         for surface in [torus(0.04, 0.015, 24, 12), join(cube(0.05, 4), other)] {
@@ -433,7 +433,7 @@ mod tests {
         let part =
             |x: f64| PlacedShape { shape: boxed(0.025), pose_SP: Pose::translation(x, 0.0, 0.0) };
         let union = Shape::Compound(Arc::new(vec![part(0.0), part(0.03)]));
-        let mut random = Noise::seeded(8);
+        let mut random = Random::new(8);
         for _ in 0..2000 {
             let p = random.vector(0.08);
             assert!((mesh.distance(&p).value - union.distance(&p).value).abs() < 1e-15);
@@ -456,7 +456,7 @@ mod tests {
             grid.values.push((brute(&p, &sheet).abs() - 0.002) as f32);
         }
         let mesh = MeshShape::new(sheet.0.clone(), sheet.1.clone(), grid);
-        let mut random = Noise::seeded(2);
+        let mut random = Random::new(2);
         for _ in 0..500 {
             let p = random.vector(0.15);
             let exact = brute(&p, &sheet).abs() - 0.002;

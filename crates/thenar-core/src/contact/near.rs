@@ -133,12 +133,12 @@ pub(crate) fn may_arrive(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// Whatever comes near is let through; what flies away, or past at a distance, mostly not.
     #[test]
     fn what_comes_within_reach_may_arrive() {
-        let mut random = Noise::seeded(5);
+        let mut random = Random::new(5);
         let (reach, mut near, mut passed) = (2e-3, 0, 0);
         for _ in 0..20_000 {
             let (at, way) = (random.vector(0.02), random.vector(0.03));
@@ -167,7 +167,7 @@ mod tests {
     /// outside now never says that it is inside.
     #[test]
     fn no_triangle_outside_is_told_to_be_inside() {
-        let mut noise = Noise(7);
+        let mut noise = Random::new(7);
         let (radius, margin) = (0.01, 1e-3);
         let mut arrived = 0;
         for _ in 0..30_000 {

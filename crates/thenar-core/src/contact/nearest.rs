@@ -325,7 +325,7 @@ fn descend(shape: &Shape, tri: &[Vec3; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     fn shapes() -> Vec<Shape> {
         vec![
@@ -341,7 +341,7 @@ mod tests {
 
     #[test]
     fn bounds_are_below_all_of_a_triangle_and_its_edges() {
-        let mut random = Noise::seeded(3);
+        let mut random = Random::new(3);
         let n = 12;
         for shape in shapes() {
             for _ in 0..300 {
@@ -361,7 +361,7 @@ mod tests {
     /// No point of a lattice on the triangle is nearer by more than the preference for the middle.
     #[test]
     fn no_other_point_of_the_triangle_is_nearer() {
-        let mut random = Noise::seeded(12);
+        let mut random = Random::new(12);
         let n = 40;
         for shape in shapes() {
             for _ in 0..300 {
@@ -387,7 +387,7 @@ mod tests {
     /// middle.
     #[test]
     fn no_other_point_of_the_segment_is_nearer() {
-        let mut random = Noise::seeded(14);
+        let mut random = Random::new(14);
         for shape in shapes() {
             for _ in 0..300 {
                 let place = random.vector(0.05);
@@ -405,7 +405,7 @@ mod tests {
     /// border none inwards.
     #[test]
     fn sharpened_points_of_round_shapes_are_exact() {
-        let mut random = Noise::seeded(15);
+        let mut random = Random::new(15);
         let round = |shape: &&Shape| matches!(shape, Shape::Ellipsoid { .. });
         let ball = Shape::Capsule { radius: 0.01, half_length: 0.0 };
         let shapes = shapes();

@@ -7,7 +7,7 @@ use crate::contact::tests::{Scene, boxed, cube};
 use crate::contact::{Contact, MeshShape, PlacedShape, Shape};
 use crate::math::{Pose, Quat, Vec3};
 use crate::model::Motion;
-use crate::noise::Noise;
+use crate::random::Random;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -96,7 +96,7 @@ impl At<'_> {
 
 /// The distance of two shapes that are apart: to and fro between them from many starts, with the
 /// momentum of Nesterov's method, begun anew whenever it leads away.
-fn apart(a: &At, b: &At, random: &mut Noise) -> (f64, Vec3) {
+fn apart(a: &At, b: &At, random: &mut Random) -> (f64, Vec3) {
     let mut starts: Vec<(f64, Vec3)> = (0..12)
         .map(|_| {
             let p = descended(a, b, a.1.position + random.vector(0.03), 20);
@@ -124,7 +124,7 @@ fn descended(a: &At, b: &At, start: Vec3, rounds: usize) -> Vec3 {
 
 /// Returns the distance of the farther of two shapes at the place where it is least; below zero
 /// where they overlap. Found by steps to and fro that shrink.
-fn least_common(a: &At, b: &At, random: &mut Noise) -> f64 {
+fn least_common(a: &At, b: &At, random: &mut Random) -> f64 {
     let worth = |p: &Vec3| a.distance(p).max(b.distance(p));
     let (_, p) = [0; 4]
         .map(|_| descended(a, b, a.1.position + random.vector(0.03), 60))
@@ -155,12 +155,12 @@ fn contacts(a: &At, b: &At) -> Vec<Contact> {
     scene.find(1e-3)
 }
 
-fn turned(random: &mut Noise) -> Quat {
+fn turned(random: &mut Random) -> Quat {
     Quat::from_scaled_axis(random.vector(3.0))
 }
 
 /// Moves A until it is about `gap` from B.
-fn brought_near<'a>(a: &'a Shape, b: &At, gap: f64, random: &mut Noise) -> Option<(At<'a>, f64)> {
+fn brought_near<'a>(a: &'a Shape, b: &At, gap: f64, random: &mut Random) -> Option<(At<'a>, f64)> {
     let direction = random.vector(1.0).normalize();
     let mut at = At(a, Pose::new(0.09 * direction, turned(random)));
     for _ in 0..12 {
@@ -175,7 +175,7 @@ fn brought_near<'a>(a: &'a Shape, b: &At, gap: f64, random: &mut Noise) -> Optio
 
 #[test]
 fn gaps_are_the_distances_of_the_surfaces() {
-    let mut random = Noise::seeded(40);
+    let mut random = Random::new(40);
     let shapes = shapes();
     for a in &shapes {
         for b in &shapes {
@@ -199,7 +199,7 @@ fn gaps_are_the_distances_of_the_surfaces() {
 /// Shapes that overlap are as deep in each other as their points of contact say.
 #[test]
 fn overlaps_are_the_depths_of_the_points() {
-    let mut random = Noise::seeded(41);
+    let mut random = Random::new(41);
     let shapes = shapes();
     let mut told = 0;
     for a in &shapes {
@@ -238,7 +238,7 @@ fn overlaps_are_the_depths_of_the_points() {
 /// On a plane the height of the lowest point is known from the shape's own distances.
 #[test]
 fn heights_over_a_plane_are_exact() {
-    let mut random = Noise::seeded(42);
+    let mut random = Random::new(42);
     for shape in &shapes() {
         for _ in 0..20 {
             let pose = Pose::new(Vec3::zeros(), turned(&mut random));
@@ -295,7 +295,7 @@ fn check(a: &At, b: &At, found: &[Contact]) {
 /// side.
 #[test]
 fn vertices_under_the_edges_of_a_box_hold_it_from_below_only() {
-    let mut random = Noise::seeded(31);
+    let mut random = Random::new(31);
     let support = mesh_cube(0.015, 5);
     for half in [Vec3::new(0.009, 0.003, 0.004), Vec3::new(0.003, 0.003, 0.009)] {
         for _ in 0..200 {

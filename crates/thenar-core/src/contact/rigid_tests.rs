@@ -5,7 +5,7 @@ use crate::contact::tests::{Scene, boxed, cube};
 use crate::contact::{Contact, MeshShape, Shape};
 use crate::math::{Pose, Quat, Vec3};
 use crate::model::Motion;
-use crate::noise::Noise;
+use crate::random::Random;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;
 
@@ -64,7 +64,7 @@ fn equal_boxes_stacked_exactly_touch_at_four_corners() {
 /// Whatever tiny turns and shifts round-off brings, the manifold stays the same four points.
 #[test]
 fn stacked_boxes_are_steady_under_round_off() {
-    let mut random = Noise::seeded(21);
+    let mut random = Random::new(21);
     let keys = |contacts: &[Contact]| contacts.iter().map(|c| c.key).collect::<Vec<_>>();
     let first = keys(&at_rest((&boxed(0.1), at(0.0, 0.2, 0.0)), (&boxed(0.1), at(0.0, 0.0, 0.0))));
     for _ in 0..100 {
@@ -134,13 +134,13 @@ fn a_corner_stands_on_a_face() {
 /// of edges; moving the upper box out by it separates the two.
 #[test]
 fn overlapping_boxes_part_along_the_shortest_way() {
-    let mut random = Noise::seeded(8);
+    let mut random = Random::new(8);
     let mut overlapping = 0;
     let directions: Vec<Vec3> = (0..4000).map(|_| random.vector(1.0).normalize()).collect();
     for _ in 0..200 {
         let half = Vec3::new(0.06, 0.1, 0.08);
         let shape = Shape::Cuboid { half };
-        let pose = |random: &mut Noise, reach: f64| {
+        let pose = |random: &mut Random, reach: f64| {
             Pose::new(random.vector(reach), Quat::from_scaled_axis(random.vector(2.0)))
         };
         let (a, b) = (pose(&mut random, 0.12), pose(&mut random, 0.05));
@@ -265,7 +265,7 @@ fn what_stands_on_triangles_is_held_upright() {
         (Shape::Cylinder { radius: 0.006, half_length: 0.01 }, 0.01),
         (Shape::Cone { radius: 0.014, height: 0.02 }, 0.005),
     ];
-    let mut random = Noise::seeded(8);
+    let mut random = Random::new(8);
     for i in 0..200 {
         let gap = 1e-9 * 10.0_f64.powf(3.0 * random.unit());
         let turn = if i % 2 == 0 { 0.0 } else { random.unit() };
@@ -321,7 +321,7 @@ fn fast_rigid_bodies_are_announced() {
 /// through the plate.
 #[test]
 fn both_ends_of_a_thrown_capsule_are_announced() {
-    let mut random = Noise::seeded(31);
+    let mut random = Random::new(31);
     let (radius, half_length) = (0.003, 0.006);
     let capsule = Shape::Capsule { radius, half_length };
     let plate = Shape::Cuboid { half: Vec3::new(0.2, 0.001, 0.2) };

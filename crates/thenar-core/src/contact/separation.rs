@@ -257,13 +257,13 @@ impl Simplex {
 mod tests {
     use super::*;
     use crate::math::{Mat3, Quat};
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// Capsules and boxes in a plate of 4 m by 2 mm: the way out is through its face, as deep as
     /// the lowest of their own points tells.
     #[test]
     fn what_sinks_into_a_wide_thin_plate_is_let_out_by_its_face() {
-        let mut random = Noise::seeded(12);
+        let mut random = Random::new(12);
         let plate = Shape::Cuboid { half: Vec3::new(2.0, 0.001, 2.0) };
         let shapes = [
             Shape::Capsule { radius: 0.006, half_length: 0.008 },

@@ -116,13 +116,13 @@ fn over<S: Simd>([x, y, z]: &[f64x8<S>; 3], base: &Vec3, n: &Vec3) -> f64x8<S> {
 mod tests {
     use super::*;
     use crate::contact::triangle::{area_vector, closest_on_triangle};
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// Distances are not below the bound, and over the triangle and beside its edges they are just
     /// that.
     #[test]
     fn no_point_is_nearer_than_told() {
-        let mut random = Noise::seeded(8);
+        let mut random = Random::new(8);
         let points: Vec<Vec3> = (0..203).map(|_| random.vector(0.02)).collect();
         let blocks = Blocks::new(&points);
         let mut seen = vec![0; points.len()];
@@ -148,7 +148,7 @@ mod tests {
     /// Whatever comes near is let through; what flies away or past at a distance, mostly not.
     #[test]
     fn what_comes_within_the_margin_may_come() {
-        let (mut random, margin) = (Noise::seeded(15), 1e-3);
+        let (mut random, margin) = (Random::new(15), 1e-3);
         let (mut near, mut passed) = (0, 0);
         for _ in 0..10_000 {
             let x = [0; 3].map(|_| random.vector(0.006));

@@ -235,7 +235,7 @@ mod tests {
     use crate::contact::MeshShape;
     use crate::contact::grid::tests::grid_of;
     use crate::contact::tests::{boxed, cube};
-    use crate::noise::Noise;
+    use crate::random::Random;
     use std::sync::Arc;
 
     /// Points that wander about a cube, slowly and in leaps: each time it is as if they were looked
@@ -245,7 +245,7 @@ mod tests {
         let (points, triangles) = cube(0.04, 3);
         let mesh = MeshShape::new(points, triangles, grid_of(&boxed(0.02), 0.03, 13));
         let shape = Shape::Mesh(Arc::new(mesh));
-        let (mut random, reach) = (Noise::seeded(12), 0.008);
+        let (mut random, reach) = (Random::new(12), 0.008);
         let (mut near, mut far, mut known) = (0, 0, 0);
         for _ in 0..40 {
             let (mut p, mut guess) = (random.vector(0.05), Guess::none());

@@ -6,7 +6,7 @@ use super::triangle::closest_on_triangle;
 use super::truth_tests::to_mesh;
 use super::*;
 use crate::math::{Quat, Vec3};
-use crate::noise::Noise;
+use crate::random::Random;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// The bound of the gap's error: 1 % of edges of 5 mm, along the tube, and of 10 mm of the cubes.
@@ -63,14 +63,14 @@ fn edge_up(at: f64, turn: Quat) -> (Mesh, impl Fn(&Vec3) -> Vec3) {
 /// with the distance that the edges were given, and every contact beside it is as far as it says.
 #[test]
 fn gaps_of_edges_that_cross_are_their_distances() {
-    let mut random = Noise::seeded(21);
+    let mut random = Random::new(21);
     let (mut apart, mut deep, mut beside) = (0, 0, 0);
     for _ in 0..300 {
         // Not where lattice points of the edges, 10 mm from each other, stand for them.
         let mut within =
             || 0.01 * ((3.0 * random.unit()).floor() - 1.5 + 0.8 * (random.unit() - 0.5));
         let [at_a, at_b] = [within(), within()];
-        let tilt = |random: &mut Noise| Quat::from_scaled_axis(random.vector(0.12));
+        let tilt = |random: &mut Random| Quat::from_scaled_axis(random.vector(0.12));
         let yaw = Quat::from_scaled_axis(Vec3::y() * (0.8 + 1.5 * random.unit()));
         let turn_a = tilt(&mut random) * Quat::from_scaled_axis(Vec3::x() * std::f64::consts::PI);
         let turn_b = tilt(&mut random) * yaw;
@@ -154,7 +154,7 @@ fn tube() -> Mesh {
 /// what touches is as far from the far end, by all of that end's triangles, as it says.
 #[test]
 fn gaps_of_a_surface_with_itself_are_its_distances() {
-    let mut random = Noise::seeded(23);
+    let mut random = Random::new(23);
     let (mut vertices, mut inside, mut edges) = (0, 0, 0);
     for _ in 0..60 {
         let (rest, triangles) = tube();

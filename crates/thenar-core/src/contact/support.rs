@@ -202,7 +202,7 @@ impl Solid<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// No surface point is farther along a direction, and the face holds points as far.
     #[test]
@@ -215,7 +215,7 @@ mod tests {
             Shape::Cone { radius: 0.02, height: 0.03 },
             Shape::Ellipsoid { half: Vec3::new(0.01, 0.02, 0.03) },
         ];
-        let mut random = Noise::seeded(6);
+        let mut random = Random::new(6);
         for shape in &shapes {
             for _ in 0..200 {
                 let d = random.vector(1.0).normalize();

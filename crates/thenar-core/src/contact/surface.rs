@@ -399,13 +399,13 @@ mod tests {
     use super::*;
     use crate::contact::tests::{Scene, cube};
     use crate::contact::triangle::closest_on_triangle;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// Planes of triangles, of slivers and of such as rounding leaves on a line, set no point and
     /// no triangle farther apart than they are; of even triangles they tell most.
     #[test]
     fn planes_bound_distances_from_below() {
-        let (mut random, mut told) = (Noise::seeded(15), 0);
+        let (mut random, mut told) = (Random::new(15), 0);
         for i in 0..3000 {
             let (a, b) = (random.vector(0.01), random.vector(0.01));
             let beside = random.vector([0.01, 1e-8, 1e-16][i % 3]);

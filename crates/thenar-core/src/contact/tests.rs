@@ -8,7 +8,7 @@ use crate::model::{
     BodyId, BodyParts, EmbeddedSurface, Flesh, JointDesc, JointKind, Motion, PairRule, RigidDesc,
     SoftDesc, SurfaceVertex, WorldDesc,
 };
-use crate::noise::Noise;
+use crate::random::Random;
 
 /// A world, its state, and a detector for it.
 pub(super) struct Scene {
@@ -431,7 +431,7 @@ pub(super) fn mixed_scene() -> Scene {
     scene.soft(cube(0.03, 3));
     moved(&mut scene.surfaces[0].0, Vec3::new(0.003, 0.0199, 0.0395));
     moved(&mut scene.surfaces[1].0, Vec3::new(0.001, 0.0547, 0.0385));
-    let mut random = Noise::seeded(77);
+    let mut random = Random::new(77);
     for place in &mut scene.places[1..] {
         place.velocity_W = random.vector(0.2);
         place.angular_velocity_W = random.vector(2.0);

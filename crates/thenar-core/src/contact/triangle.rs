@@ -160,13 +160,13 @@ const ROUNDING: f64 = 1e-12;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     /// Brute force over a fine barycentric lattice bounds the true distance from above by the
     /// lattice spacing.
     #[test]
     fn nearest_point_beats_brute_force() {
-        let mut random = Noise::seeded(42);
+        let mut random = Random::new(42);
         let n = 60;
         for _ in 0..300 {
             let x = [random.vector(1.0), random.vector(1.0), random.vector(1.0)];

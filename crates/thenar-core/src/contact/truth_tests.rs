@@ -7,7 +7,7 @@ use super::triangle::closest_on_triangle;
 use super::*;
 use crate::math::{Pose, Quat, Vec3};
 use crate::model::Motion;
-use crate::noise::Noise;
+use crate::random::Random;
 use std::sync::Arc;
 
 /// The bound of the gap's error: 1 % of the mean edge where squares of 5 mm are halved.
@@ -117,13 +117,13 @@ fn dumbbell() -> Shape {
     ]))
 }
 
-pub(super) fn turn(random: &mut Noise) -> Quat {
+pub(super) fn turn(random: &mut Random) -> Quat {
     Quat::from_scaled_axis(random.vector(2.0))
 }
 
 /// Shapes at random places on and in a soft cube: every contact is true.
 fn contacts_are_true(seed: u64, shapes: &[Shape]) {
-    let mut random = Noise::seeded(seed);
+    let mut random = Random::new(seed);
     for shape in shapes {
         let mut seen = 0;
         for _ in 0..120 {
@@ -219,7 +219,7 @@ fn gaps_of_soft_surfaces_with_composed_shapes_are_their_distances() {
 /// normal than the face, none is deeper than the box (a row of them threw boxes off).
 #[test]
 fn a_box_on_a_level_face_has_no_sideways_contacts() {
-    let mut random = Noise::seeded(6);
+    let mut random = Random::new(6);
     for n in [1, 2, 5, 10] {
         for half in [0.005, 0.01, 0.02] {
             for _ in 0..20 {
@@ -255,7 +255,7 @@ fn a_box_on_a_level_face_has_no_sideways_contacts() {
 /// Soft against soft, near and through each other's faces.
 #[test]
 fn gaps_between_soft_surfaces_are_their_distances() {
-    let mut random = Noise::seeded(7);
+    let mut random = Random::new(7);
     let mut seen = 0;
     for _ in 0..150 {
         let (mut a, triangles) = cube(0.04, 6);

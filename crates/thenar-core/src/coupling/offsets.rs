@@ -217,7 +217,8 @@ mod tests {
     use super::*;
     use crate::coupling::BoundNode;
     use crate::coupling::pivot::tests::{derivatives, posed, random_pair};
-    use crate::testing::{Random, assert_close};
+    use crate::random::Random;
+    use crate::testing::assert_close;
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
     /// Offsets of one node between two bodies, with what it takes to look at them.
@@ -238,7 +239,7 @@ mod tests {
             let bodies = if k % 4 < 2 { [0, 1] } else { [1, 0] };
             let rotations_WB = bodies.map(|b| rest[b as usize].rotation);
             let pair = PairAtRest { bodies, rotations_WB, model_WM: random.rotation(PI) };
-            let offsets = poses.iter().map(|_| random.vec3(0.01)).collect();
+            let offsets = poses.iter().map(|_| random.vector(0.01)).collect();
             let given = PoseOffsets { soft: 0, joint: 0, poses, nodes: vec![0], offsets };
             // Those of another joint come first.
             let mut offsets = OffsetModel::default();
@@ -317,8 +318,8 @@ mod tests {
         for k in 0..200 {
             let poses = some_poses(&mut random, k);
             let case = Case::new(&mut random, poses, k);
-            let whole = Pose::new(random.vec3(1.0), random.rotation(PI));
-            let bend = Pose::new(random.vec3(0.01), random.rotation(179.0_f64.to_radians()));
+            let whole = Pose::new(random.vector(1.0), random.rotation(PI));
+            let bend = Pose::new(random.vector(0.01), random.rotation(179.0_f64.to_radians()));
             let poses = [whole * case.rest[0], whole * bend * case.rest[1]];
             let [analytic, numeric] = derivatives(&case.bound, &poses, &case.offsets);
             assert_close(&analytic, &numeric, 1e-8);
@@ -332,7 +333,7 @@ mod tests {
             let poses = some_poses(&mut random, k);
             let case = Case::new(&mut random, poses, k);
             let bent = case.turned(&random.rotation(2.5));
-            let motion = Pose::new(random.vec3(1.0), random.rotation(PI));
+            let motion = Pose::new(random.vector(1.0), random.rotation(PI));
             let before = posed(&case.bound, &bent, &case.offsets).position_W;
             let after = posed(&case.bound, &bent.map(|p| motion * p), &case.offsets).position_W;
             assert!((motion.point(&before) - after).norm() < 1e-13, "{k}");
@@ -349,7 +350,7 @@ mod tests {
             let case = Case::new(&mut random, poses, k);
             let bent = case.turned(&random.rotation(2.5));
             let target = posed(&case.bound, &bent, &case.offsets);
-            let force = random.vec3(10.0);
+            let force = random.vector(10.0);
             let mut torque = -target.position_W.cross(&force);
             for j in 0..2 {
                 torque += bent[j].position.cross(&(force * case.bound.weights[j]));

@@ -91,7 +91,8 @@ fn centre(poses_WB: [&Pose; 2], anchors_B: [Vec3; 2], weights: [f64; 2]) -> (Vec
 pub(crate) mod tests {
     use super::*;
     use crate::coupling::{BoundNode, OffsetModel, SkinTarget, skin_target};
-    use crate::testing::{Random, assert_close, jacobian};
+    use crate::random::Random;
+    use crate::testing::{assert_close, jacobian};
     use std::f64::consts::{FRAC_PI_2, PI};
 
     /// The target of a node with these offsets.
@@ -131,8 +132,8 @@ pub(crate) mod tests {
 
     /// Two bones of any rest pose with a common joint, and a node near it.
     pub(crate) fn random_pair(random: &mut Random) -> ([Pose; 2], BoundNode) {
-        let poses = [0, 1].map(|_| Pose::new(random.vec3(0.1), random.rotation(PI)));
-        let (joint, x) = (random.vec3(0.1), random.vec3(0.1));
+        let poses = [0, 1].map(|_| Pose::new(random.vector(0.1), random.rotation(PI)));
+        let (joint, x) = (random.vector(0.1), random.vector(0.1));
         let w = random.range(0.02, 0.98);
         let weights = [w, 1.0 - w];
         let anchors = [0, 1].map(|j| poses[j].inverse_point(&joint));
@@ -172,8 +173,8 @@ pub(crate) mod tests {
         let mut random = Random::new(31);
         for _ in 0..200 {
             let (rest, bound) = random_pair(&mut random);
-            let whole = Pose::new(random.vec3(1.0), random.rotation(PI));
-            let bend = Pose::new(random.vec3(0.01), random.rotation(179.0_f64.to_radians()));
+            let whole = Pose::new(random.vector(1.0), random.rotation(PI));
+            let bend = Pose::new(random.vector(0.01), random.rotation(179.0_f64.to_radians()));
             let poses = [whole * rest[0], whole * bend * rest[1]];
             let [analytic, numeric] = derivatives(&bound, &poses, &OffsetModel::default());
             assert_close(&analytic, &numeric, 1e-8);
@@ -185,9 +186,9 @@ pub(crate) mod tests {
         let mut random = Random::new(7);
         for _ in 0..200 {
             let (rest, bound) = random_pair(&mut random);
-            let bend = Pose::new(random.vec3(0.01), random.rotation(2.5));
+            let bend = Pose::new(random.vector(0.01), random.rotation(2.5));
             let bent = [rest[0], bend * rest[1]];
-            let motion = Pose::new(random.vec3(1.0), random.rotation(PI));
+            let motion = Pose::new(random.vector(1.0), random.rotation(PI));
             let before = target(&bound, &bent).position_W;
             let after = target(&bound, &bent.map(|p| motion * p)).position_W;
             assert!((motion.point(&before) - after).norm() < 1e-14);
@@ -201,10 +202,10 @@ pub(crate) mod tests {
         let mut random = Random::new(9);
         for _ in 0..200 {
             let (rest, bound) = random_pair(&mut random);
-            let bend = Pose::new(random.vec3(0.01), random.rotation(3.0));
+            let bend = Pose::new(random.vector(0.01), random.rotation(3.0));
             let poses = [rest[0], bend * rest[1]];
             let target = target(&bound, &poses);
-            let force = random.vec3(10.0);
+            let force = random.vector(10.0);
             let mut torque = -target.position_W.cross(&force);
             for j in 0..2 {
                 torque += poses[j].position.cross(&(force * bound.weights[j]));

@@ -68,20 +68,21 @@ mod tests {
     use crate::coupling::OffsetModel;
     use crate::coupling::pivot::tests::{derivatives, posed};
     use crate::math::Quat;
-    use crate::testing::{Random, assert_close};
+    use crate::random::Random;
+    use crate::testing::assert_close;
 
     #[test]
     fn derivative_matches_finite_differences_up_to_90_degrees() {
         let mut random = Random::new(31);
         for _ in 0..50 {
             let poses: Vec<Pose> =
-                (0..2).map(|_| Pose::new(random.vec3(0.1), random.rotation(1.57))).collect();
+                (0..2).map(|_| Pose::new(random.vector(0.1), random.rotation(1.57))).collect();
             let w = random.range(0.0, 1.0);
             let bound = BoundNode {
                 node: 0,
                 bones: [0, 1],
                 weights: [w, 1.0 - w],
-                offsets: [random.vec3(0.05), random.vec3(0.05)],
+                offsets: [random.vector(0.05), random.vector(0.05)],
                 pivot: None,
                 posed: None,
             };

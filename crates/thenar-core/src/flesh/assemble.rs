@@ -261,7 +261,7 @@ mod tests {
     use crate::flesh::crush;
     use crate::math::Mat3;
     use crate::model::{Law, Material};
-    use crate::testing::Random;
+    use crate::random::Random;
 
     #[test]
     fn eights_sum_to_the_same_as_single_elements() {
@@ -288,11 +288,11 @@ mod tests {
         let mut random = Random::new(seed);
         let corner =
             |i: usize| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64) * 0.01;
-        let nodes: Vec<Vec3> = (0..8).map(|i| corner(i) + random.vec3(0.002)).collect();
+        let nodes: Vec<Vec3> = (0..8).map(|i| corner(i) + random.vector(0.002)).collect();
         let mut model = FleshModel { mass: vec![1e-3; 8], ..FleshModel::default() };
         model.mass_damping = vec![2.0; 8];
         while model.tets.len() < 35 {
-            let tet: [u32; 4] = std::array::from_fn(|_| (random.next() % 8) as u32);
+            let tet: [u32; 4] = std::array::from_fn(|_| random.below(8) as u32);
             let t = model.tets.len();
             let law = laws[if t < 32 { t / 8 } else { t } % laws.len()];
             let material = Material { law, young: 5e4, poisson: 0.43, density: 1000.0 };
@@ -309,8 +309,8 @@ mod tests {
         model.arrange();
 
         let h = 0.005;
-        let x: Vec<Vec3> = nodes.iter().map(|x| x + random.vec3(moved)).collect();
-        let v: Vec<Vec3> = nodes.iter().map(|_| random.vec3(0.1)).collect();
+        let x: Vec<Vec3> = nodes.iter().map(|x| x + random.vector(moved)).collect();
+        let v: Vec<Vec3> = nodes.iter().map(|_| random.vector(0.1)).collect();
         let mut b = vec![Vec3::zeros(); 8];
         let sums = model.assemble(&x, &v, &[], h, 0, &mut A, &mut b);
 

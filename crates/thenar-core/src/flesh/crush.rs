@@ -189,7 +189,8 @@ mod tests {
     use super::*;
     use crate::flesh::PAIRS;
     use crate::flesh::element::tests::{REST, YOUNG, rest_of};
-    use crate::testing::{Random, assert_close, jacobian};
+    use crate::random::Random;
+    use crate::testing::{assert_close, jacobian};
 
     fn rest() -> RestTet {
         rest_of(Law::Corotational)
@@ -208,7 +209,7 @@ mod tests {
             let x: Vec<f64> = REST
                 .iter()
                 .flat_map(|x| {
-                    let x = x + random.vec3(0.008);
+                    let x = x + random.vector(0.008);
                     [x.x, x.y, x.z]
                 })
                 .collect();
@@ -230,7 +231,7 @@ mod tests {
         let (mut passed, mut spared, mut crushes, mut draws, mut inverted) = (0, 0, 0, 0, 0);
         for k in 0..6000 {
             let scale = [1.0, 0.8, 1.6][k % 3];
-            let x = REST.map(|x| (x + random.vec3([0.006, 0.002][k % 2])) * scale);
+            let x = REST.map(|x| (x + random.vector([0.006, 0.002][k % 2])) * scale);
             let (_, stretches, _) = crate::flesh::signed_svd(&rest.deformation_gradient(&x));
             let (is_crushed, is_taut) = (stretches[2] < CRUSHED, stretches[0] > TAUT);
             let is_suspect = suspect(&rest, &[0, 1, 2, 3], &x).is_some();
@@ -330,9 +331,9 @@ mod tests {
     fn the_stiffness_has_no_negative_direction() {
         let (rest, mut random) = (rest(), Random::new(7));
         for _ in 0..200 {
-            let x = REST.map(|x| x + random.vec3(0.008));
+            let x = REST.map(|x| x + random.vector(0.008));
             let response = respond(&rest, &rest.deformation_gradient(&x));
-            let d = REST.map(|_| random.vec3(1.0));
+            let d = REST.map(|_| random.vector(1.0));
             let curved: f64 = (response.stiffness.iter().zip(PAIRS))
                 .map(|(K, (a, b))| d[a].dot(&(K * d[b])) * if a == b { 1.0 } else { 2.0 })
                 .sum();

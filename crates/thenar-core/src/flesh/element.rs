@@ -303,7 +303,8 @@ pub fn positive_part(m: &Mat3) -> Mat3 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::testing::{Random, assert_close, jacobian};
+    use crate::random::Random;
+    use crate::testing::{assert_close, jacobian};
 
     /// Corners of a tetrahedron.
     pub const REST: [Vec3; 4] = [
@@ -354,7 +355,7 @@ pub(super) mod tests {
             let rest = rest_of(law);
             for _ in 0..100 {
                 let turn = random.rotation(3.1);
-                let x = REST.map(|x| turn * x + random.vec3(0.002));
+                let x = REST.map(|x| turn * x + random.vector(0.002));
                 let numeric =
                     jacobian(|x| vec![-respond(&rest, &nodes(x)).energy], &flat(&x), 1e-8);
                 assert_close(&[flat(&respond(&rest, &x).forces)], &numeric, 1e-6);
@@ -401,7 +402,7 @@ pub(super) mod tests {
         for law in LAWS {
             let rest = rest_of(law);
             for _ in 0..300 {
-                let x = REST.map(|x| x + random.vec3(0.006));
+                let x = REST.map(|x| x + random.vector(0.006));
                 let f = respond(&rest, &x).forces;
                 let scale: f64 = f.iter().map(|f| f.norm()).sum();
                 let net: Vec3 = f.iter().sum();

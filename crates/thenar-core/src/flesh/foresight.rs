@@ -152,7 +152,7 @@ mod tests {
     use super::*;
     use crate::flesh::element::tests::{REST, rest_of};
     use crate::flesh::{PAIRS, Response, respond};
-    use crate::testing::Random;
+    use crate::random::Random;
 
     /// `ψ(x₁) - ψ(x₀) - ∇ψ·Δx - Δxᵀ K Δx` of what an element tells of itself before and after.
     fn by_blocks(before: &Response, risen: f64, d: &[Vec3; 4]) -> f64 {
@@ -168,8 +168,8 @@ mod tests {
         let (rest, mut random) = (rest_of(Law::Corotational), Random::new(11));
         let mut largest = 0.0_f64;
         for _ in 0..100 {
-            let x = REST.map(|x| x + random.vec3(0.003));
-            let d = REST.map(|_| random.vec3(0.004));
+            let x = REST.map(|x| x + random.vector(0.003));
+            let d = REST.map(|_| random.vector(0.004));
             let end: [Vec3; 4] = std::array::from_fn(|a| x[a] + d[a]);
             let [before, after] = [respond(&rest, &x), respond(&rest, &end)];
             let F = [x, end, end].map(|x| rest.deformation_gradient(&x));

@@ -58,7 +58,7 @@ pub fn signed_svd(F: &Mat3) -> (Mat3, [f64; 3], Mat3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
 
     #[test]
     fn is_a_rotation_and_leaves_a_symmetric_stretch() {

@@ -84,7 +84,8 @@ fn stable_neo_hookean(lambda: f64, mu: f64, s: [f64; 3]) -> Density {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{Random, assert_close, jacobian};
+    use crate::random::Random;
+    use crate::testing::{assert_close, jacobian};
 
     #[test]
     fn stress_and_hessian_are_derivatives_of_the_energy() {

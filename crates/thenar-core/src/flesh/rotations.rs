@@ -133,7 +133,7 @@ fn rotate_singly<S: Simd>(simd: S, F: &Mat3x8<S>, R: &mut Mat3x8<S>, sound: u64)
 mod tests {
     use super::*;
     use crate::flesh::signed_svd;
-    use crate::testing::Random;
+    use crate::random::Random;
     use fearless_simd::{Level, dispatch};
 
     fn all(F: &[Mat3; LANES]) -> [Mat3; LANES] {

@@ -49,6 +49,10 @@ impl Digit {
     pub const FINGERS: [Self; 5] =
         [Self::Thumb, Self::Index, Self::Middle, Self::Ring, Self::Little];
 
+    /// Parts of a hand, in the order of their numbers: the palm and the fingers, thumb first.
+    pub const PARTS: [Self; 6] =
+        [Self::Palm, Self::Thumb, Self::Index, Self::Middle, Self::Ring, Self::Little];
+
     /// Number of the digit among the parts of a hand (`BodyParts`): the palm 0, the fingers from 1.
     pub fn part(self) -> u8 {
         self as u8
@@ -252,5 +256,16 @@ impl HandModel {
             *volume += nail.volume;
         }
         (bindings, volumes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Digit;
+
+    #[test]
+    fn parts_of_a_hand_stand_at_their_numbers() {
+        assert_eq!(Digit::PARTS.map(Digit::part), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(Digit::PARTS[1..], Digit::FINGERS);
     }
 }

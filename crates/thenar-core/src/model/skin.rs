@@ -203,7 +203,7 @@ fn barycentric([a, b, c, d]: &[Vec3; 4], p: &Vec3) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::model::SurfaceVertex;
-    use crate::testing::Random;
+    use crate::random::Random;
 
     /// A slab of cubes, each of six tetrahedra around a diagonal.
     fn slab(n: usize, edge: f64) -> (Vec<Vec3>, Vec<[u32; 4]>) {
@@ -261,7 +261,7 @@ mod tests {
         let (nodes, tets) = slab(4, 0.01);
         let mut random = Random::new(3);
         for _ in 0..50 {
-            let x: [Vec3; 3] = std::array::from_fn(|_| Vec3::repeat(0.02) + random.vec3(0.0199));
+            let x: [Vec3; 3] = std::array::from_fn(|_| Vec3::repeat(0.02) + random.vector(0.0199));
             let surface = triangle(&nodes, &tets, x);
             let facets = facets(&nodes, &tets, &surface, |_| Some(7));
             let area = 0.5 * (x[1] - x[0]).cross(&(x[2] - x[0])).norm();
@@ -271,7 +271,7 @@ mod tests {
             assert!(facets.iter().all(|f| f.sheet == 7 && (f.normal - normal).norm() < 1e-9));
             let mesh = Walked { nodes: &nodes, tets: &tets, behind: behind_faces(&tets) };
             for _ in 0..20 {
-                let p = Vec3::repeat(0.02) + random.vec3(0.0199);
+                let p = Vec3::repeat(0.02) + random.vector(0.0199);
                 let t = mesh.at(&p, surface.vertices[0].tet);
                 let least = barycentric(&mesh.corners(t), &p).into_iter().fold(1.0, f64::min);
                 assert!(least > -1e-12, "{least}");

@@ -25,7 +25,7 @@ mod patch;
 mod taxel;
 mod vertex;
 
-pub use part::PartContact;
+pub use part::{PartContact, part_touched, sum_parts};
 pub use patch::{PatchContact, PatchSum};
 pub use taxel::{TaxelContact, TaxelError, TaxelPlace, TaxelReadout, TaxelSkin};
 pub use vertex::VertexContact;
@@ -72,6 +72,8 @@ pub struct ContactReadout {
     surfaces: Surfaces,
     /// Parts of all deformable bodies, one body after another.
     parts: Vec<PartContact>,
+    /// Parts being summed up, likewise.
+    sums: Vec<PatchSum>,
     part_ranges: Vec<Range<usize>>,
     /// Part that each rigid body is inside of.
     part_of_bone: Vec<Option<u32>>,
@@ -88,6 +90,7 @@ impl ContactReadout {
         let mut readout = Self {
             surfaces: Surfaces::new(world),
             parts: Vec::new(),
+            sums: Vec::new(),
             part_ranges: Vec::new(),
             part_of_bone: vec![None; desc.rigids.len()],
             tips: Vec::new(),
@@ -108,6 +111,7 @@ impl ContactReadout {
             readout.part_ranges.push(first..first + count);
         }
         readout.parts = vec![PartContact::default(); readout.tips.len()];
+        readout.sums = vec![PatchSum::default(); readout.tips.len()];
         readout
     }
 

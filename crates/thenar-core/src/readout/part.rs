@@ -26,22 +26,15 @@ pub struct PartContact {
 }
 
 pub(super) fn read(readout: &mut ContactReadout, world: &World) {
-    let ContactReadout { surfaces, parts, part_ranges, part_of_bone, tips, shares } = readout;
+    let ContactReadout { surfaces, parts, sums, part_ranges, part_of_bone, tips, shares } = readout;
     for (part, tip) in parts.iter_mut().zip(tips.iter()) {
         *part = PartContact::default();
         part.tip_W = tip.map_or(Vec3::zeros(), |bone| world.rigid_pose(bone).position);
     }
     for (range, soft) in part_ranges.iter().zip(0..) {
-        // Points are few; they are gone through once for each part.
-        for (index, part) in parts[range.clone()].iter_mut().enumerate() {
-            let mut sum = PatchSum::default();
-            for point in world.contacts() {
-                for side in 0..2 {
-                    if part_touched(world, point, side) == Some((soft, index as u32)) {
-                        sum.add(point, side);
-                    }
-                }
-            }
+        let sums = &mut sums[range.clone()];
+        sum_parts(world, soft, sums);
+        for (part, sum) in parts[range.clone()].iter_mut().zip(sums) {
             part.contact = sum.finish(0.0);
         }
         for (vertex, v) in (0..).zip(surfaces.vertices(soft)) {
@@ -66,8 +59,22 @@ pub(super) fn read(readout: &mut ContactReadout, world: &World) {
     });
 }
 
+/// Sums the contact of each part of a deformable body, on its skin and on bones where flesh is
+/// crushed. `sums` has a place for each part.
+pub fn sum_parts(world: &World, soft: u32, sums: &mut [PatchSum]) {
+    sums.fill(PatchSum::default());
+    for point in world.contacts() {
+        for side in 0..2 {
+            let touched = part_touched(world, point, side).filter(|(found, _)| *found == soft);
+            if let Some(sum) = touched.and_then(|(_, part)| sums.get_mut(part as usize)) {
+                sum.add(point, side);
+            }
+        }
+    }
+}
+
 /// The deformable body and its part that a point touches on this side, on the skin or on a bone.
-pub(super) fn part_touched(world: &World, point: &ContactPoint, side: usize) -> Option<(u32, u32)> {
+pub fn part_touched(world: &World, point: &ContactPoint, side: usize) -> Option<(u32, u32)> {
     match point.bodies[side] {
         BodyId::Soft(soft) => Some((soft, world.model().part_of(soft, point.vertices[side]?))),
         BodyId::Rigid(bone) => {

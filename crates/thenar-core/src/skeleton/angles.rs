@@ -150,7 +150,7 @@ fn wrap(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     fn limit(min: f64, max: f64) -> Option<AngleLimit> {
         Some(AngleLimit { min, max })
@@ -158,10 +158,10 @@ mod tests {
 
     #[test]
     fn angles_come_back_from_the_rotation_they_make() {
-        let mut noise = Noise(1);
+        let mut noise = Random::new(1);
         for _ in 0..2000 {
             // Flexion within ±90° as in fingers; a full turn of the first axis.
-            let q = [3.1 * noise.next(), 1.5 * noise.next()];
+            let q = [3.1 * noise.symmetric(), 1.5 * noise.symmetric()];
             for kind in [JointKind::Hinge, JointKind::Universal] {
                 let back = joint_angles(kind, &joint_rotation(kind, q));
                 for k in 0..kind.angles() {
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn no_other_angles_come_nearer_than_the_closest() {
-        let mut noise = Noise(2);
+        let mut noise = Random::new(2);
         for _ in 0..60 {
             let R = noise.pose(1.0).rotation;
             let boxes = [
@@ -216,11 +216,11 @@ mod tests {
 
     #[test]
     fn spin_is_the_derivative_of_the_rotation() {
-        let mut noise = Noise(3);
+        let mut noise = Random::new(3);
         let h = 1e-6;
         for _ in 0..200 {
-            let q = [2.0 * noise.next(), 2.0 * noise.next()];
-            let rates = [5.0 * noise.next(), 5.0 * noise.next()];
+            let q = [2.0 * noise.symmetric(), 2.0 * noise.symmetric()];
+            let rates = [5.0 * noise.symmetric(), 5.0 * noise.symmetric()];
             for kind in [JointKind::Hinge, JointKind::Universal, JointKind::Ball] {
                 let at = |t: f64| joint_rotation(kind, [q[0] + t * rates[0], q[1] + t * rates[1]]);
                 let numeric = (at(h) * at(-h).inverse()).scaled_axis() / (2.0 * h);

@@ -98,7 +98,8 @@ pub fn misalignment(kind: JointKind, frames: &JointFrames) -> f64 {
 mod tests {
     use super::*;
     use crate::math::{Quat, Vec6};
-    use crate::testing::{Random, assert_close, jacobian};
+    use crate::random::Random;
+    use crate::testing::{assert_close, jacobian};
 
     /// J against central differences of C over small motions of both bodies, at configurations
     /// that satisfy the joint (where the midpoint lever is exact).
@@ -117,9 +118,9 @@ mod tests {
                     JointKind::Ball => random.rotation(3.0),
                     _ => Quat::identity(),
                 };
-                let pose_WJ = Pose::new(random.vec3(0.1), random.rotation(3.0));
+                let pose_WJ = Pose::new(random.vector(0.1), random.rotation(3.0));
                 let pose_WK = Pose::new(pose_WJ.position, pose_WJ.rotation * turn);
-                let centres = [random.vec3(0.1), random.vec3(0.1)];
+                let centres = [random.vector(0.1), random.vector(0.1)];
                 let frames = |q: &[f64]| {
                     let moved = |pose: Pose, centre: Vec3, q: &[f64]| {
                         let turn = Quat::from_scaled_axis(Vec3::new(q[3], q[4], q[5]));
@@ -153,10 +154,10 @@ mod tests {
     fn a_joint_impulse_has_no_net_force_or_torque_even_across_a_gap() {
         let mut random = Random::new(22);
         let frames = JointFrames {
-            pose_WJ: Pose::new(random.vec3(0.1), random.rotation(1.0)),
-            pose_WK: Pose::new(random.vec3(0.1), random.rotation(1.0)),
-            parent: random.vec3(0.1),
-            child: random.vec3(0.1),
+            pose_WJ: Pose::new(random.vector(0.1), random.rotation(1.0)),
+            pose_WK: Pose::new(random.vector(0.1), random.rotation(1.0)),
+            parent: random.vector(0.1),
+            child: random.vector(0.1),
         };
         let block = joint_block(JointKind::Fixed, &frames);
         let lambda = Vec6::from_fn(|_, _| random.range(-1.0, 1.0));

@@ -226,8 +226,8 @@ fn rigid_change(
 mod tests {
     use super::*;
     use crate::math::Mat3;
+    use crate::random::Random;
     use crate::solver::DenseSystem;
-    use crate::testing::Random;
 
     /// A first guess that already carries the node away from the wall, by way of its neighbour,
     /// must not pass for the answer that nothing presses.
@@ -269,7 +269,7 @@ mod tests {
             a.add_scalar(a.diagonal[i as usize], random.range(0.5, 1.5));
         }
         let mut spring = |i: u32, j: u32, k: f64| {
-            let n = random.vec3(1.0).normalize();
+            let n = random.vector(1.0).normalize();
             let block = n * n.transpose() * k + Mat3::identity() * (0.2 * k);
             for (p, q, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
                 a.add(a.entry(p, q), &(block * sign));
@@ -284,12 +284,12 @@ mod tests {
         for cone in [Cone::Circular, Cone::Linearised] {
             let mut rows = ContactRows::with_capacity(1, 8);
             for k in 0..6 {
-                let normal = (Vec3::y() + random.vec3(0.3)).normalize();
+                let normal = (Vec3::y() + random.vector(0.3)).normalize();
                 let i = rows.begin(&normal, 0.4, &Vec3::zeros());
                 rows.hold_node(2 * k % nodes, 0.7);
                 rows.hold_node((2 * k + 1) % nodes, 0.3);
                 if k == 5 {
-                    rows.hold_rigid(0, random.vec3(0.5), -1.0);
+                    rows.hold_rigid(0, random.vector(0.5), -1.0);
                 }
                 rows.rows[i].target = Vec3::new(random.range(-0.2, 1.0), 0.3, -0.2);
             }

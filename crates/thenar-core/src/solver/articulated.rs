@@ -246,7 +246,7 @@ fn add_rows(lu: &mut DenseLu, row: usize, column: usize, rows: usize, J: &Mat6) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
 
     fn random_mat6(random: &mut Random) -> Mat6 {
         Mat6::from_fn(|_, _| random.range(-1.0, 1.0))

@@ -284,7 +284,7 @@ fn update_columns<S: Simd, const N: usize, const H: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
     use nalgebra::{DMatrix, DVector};
 
     fn filled(n: usize, random: &mut Random) -> (DenseLu, DMatrix<f64>) {

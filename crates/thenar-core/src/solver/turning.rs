@@ -102,19 +102,19 @@ impl Apart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
 
     #[test]
     fn velocity_torque_and_matrix_are_one_map() {
         let mut random = Random::new(5);
         for k in 0..100 {
             let apart = match k % 2 {
-                0 => Apart::Blended { axis: random.vec3(1.0), arm: random.vec3(0.1) },
+                0 => Apart::Blended { axis: random.vector(1.0), arm: random.vector(0.1) },
                 _ => Apart::Posed(Mat3::from_fn(|_, _| random.range(-0.1, 0.1))),
             };
-            let levers = [random.vec3(0.1), random.vec3(0.1)];
+            let levers = [random.vector(0.1), random.vector(0.1)];
             let turning = Turning { levers, apart: (k % 3 > 0).then_some(apart) };
-            let (omega, force) = (random.vec3(3.0), random.vec3(3.0));
+            let (omega, force) = (random.vector(3.0), random.vector(3.0));
             for j in 0..2 {
                 let velocity = turning.velocity(j, &omega);
                 assert!((velocity - turning.matrix(j) * omega).norm() < 1e-15);

@@ -6,9 +6,7 @@
 //! is.
 
 use crate::math::Vec3;
-
-/// Odd, with its bits well spread (of the golden ratio, as in SplitMix64).
-const K: u64 = 0x9e37_79b9_7f4a_7c15;
+use crate::random::GOLDEN as K;
 
 /// Hashes words in order.
 #[derive(Clone, Copy, Debug)]

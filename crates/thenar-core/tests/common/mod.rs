@@ -7,12 +7,6 @@ use thenar_core::model::{
 };
 use thenar_core::{Mat3, Pose, Quat, Vec3};
 
-/// A seeded generator (PCG-like), uniform in [-1, 1).
-pub fn random(seed: &mut u64) -> f64 {
-    *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-    (*seed >> 33) as f64 / f64::from(1u32 << 31) * 2.0 - 1.0
-}
-
 pub fn body(name: &str, mass: f64, inertia: [f64; 3], position: Vec3) -> RigidDesc {
     RigidDesc {
         name: name.into(),

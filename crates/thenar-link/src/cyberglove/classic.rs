@@ -12,10 +12,6 @@ use std::sync::Arc;
 /// Commands that make the glove stream at 100 Hz: stop, is it there, light on, no filter, period of
 /// 1152 / 115200 s, no status byte, go.
 const START: [&[u8]; 7] = [b"\x03", b"l ?\r", b"l 1\r", b"f 0\r", b"t 1152 1\r", b"u 0\r", b"S"];
-/// Between two of these, since the glove has a small buffer \[ns\].
-const PACE_NS: u64 = 20_000_000;
-/// A stream that pauses for so long has ended \[ns\].
-const SILENCE_NS: u64 = 1_000_000_000;
 
 /// The protocol.
 pub struct Classic {
@@ -32,7 +28,7 @@ pub struct Classic {
 impl Classic {
     /// A conversation that has not begun.
     pub fn new(profile: Arc<Profile>) -> Self {
-        let speech = Speech::new(&START, PACE_NS, SILENCE_NS);
+        let speech = Speech::new(&START);
         Self { profile, record: Vec::with_capacity(64), too_long: false, first: None, speech }
     }
 

@@ -3,12 +3,15 @@
 /// Listens this long to a glove that may stream already \[ns\].
 const LISTEN_NS: u64 = 100_000_000;
 
+/// Between two words, since a glove has a small buffer \[ns\].
+const PACE_NS: u64 = 20_000_000;
+/// A stream that pauses for so long has ended \[ns\].
+const SILENCE_NS: u64 = 1_000_000_000;
+
 /// The conversation up to the stream.
 #[derive(Clone, Debug)]
 pub struct Speech {
     words: &'static [&'static [u8]],
-    pace_ns: u64,
-    silence_ns: u64,
     /// The next word and when it is due; `None` while the glove streams or has been told all.
     next: Option<(usize, u64)>,
     /// Time of the last word, the glove's or ours.
@@ -17,9 +20,9 @@ pub struct Speech {
 }
 
 impl Speech {
-    /// A dialogue of `words`, with a pause between them, repeated after a silence \[ns\].
-    pub fn new(words: &'static [&'static [u8]], pace_ns: u64, silence_ns: u64) -> Self {
-        Self { words, pace_ns, silence_ns, next: None, heard_ns: 0, streams: false }
+    /// A dialogue of `words`, with a pause between them, repeated after a silence.
+    pub fn new(words: &'static [&'static [u8]]) -> Self {
+        Self { words, next: None, heard_ns: 0, streams: false }
     }
 
     /// Says them from the first, at once.
@@ -49,10 +52,10 @@ impl Speech {
             Some((word, due_ns)) if now_ns >= due_ns => {
                 send(self.words[word]);
                 self.heard_ns = now_ns;
-                let following = Some((word + 1, now_ns + self.pace_ns));
+                let following = Some((word + 1, now_ns + PACE_NS));
                 self.next = following.filter(|(word, _)| *word < self.words.len());
             }
-            None if now_ns.saturating_sub(self.heard_ns) > self.silence_ns => self.begin(now_ns),
+            None if now_ns.saturating_sub(self.heard_ns) > SILENCE_NS => self.begin(now_ns),
             _ => {}
         }
     }

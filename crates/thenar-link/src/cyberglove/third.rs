@@ -17,8 +17,6 @@ const CONVERTER_MAX: f64 = 4095.0;
 /// Bytes of the time.
 const TIME: usize = 14;
 const START: [&[u8]; 2] = [b"1E4010111\0", b"1S\0"];
-const PACE_NS: u64 = 20_000_000;
-const SILENCE_NS: u64 = 1_000_000_000;
 /// Two losses of the packet's beginning within this time mean that the stream is broken \[ns\].
 const RESYNC_NS: u64 = 2_000_000_000;
 
@@ -37,7 +35,7 @@ pub struct Third {
 impl Third {
     /// A conversation that has not begun.
     pub fn new(profile: Arc<Profile>) -> Self {
-        let speech = Speech::new(&START, PACE_NS, SILENCE_NS);
+        let speech = Speech::new(&START);
         Self {
             profile,
             bytes: Vec::with_capacity(2 * PACKET),

@@ -9,9 +9,7 @@ pub use tables::{
 };
 
 use thenar_core::{Quat, Vec3};
-
-/// Nothing tracked is farther from the origin \[m\]; the simulation takes no more.
-pub const REACH: f64 = 10.0;
+use thenar_track::live::REACH;
 
 /// Largest deviation of a quaternion's length from one.
 const UNIT_TOLERANCE: f64 = 0.1;

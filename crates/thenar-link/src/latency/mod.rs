@@ -21,7 +21,7 @@ mod taps;
 mod trial;
 
 pub use lag::{Lag, lag};
-pub use seen::{ComparedPart, Trace, TraceSample};
+pub use seen::{ComparedPart, LEVER_HAND, LEVERS, TIPS, Trace, TraceSample};
 pub use still::stillness;
 pub use taps::{KEY_DELAY, KEY_DELAY_SPREAD, taps};
 

@@ -7,19 +7,19 @@ use thenar_touch::DIGITS;
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
 
-/// From each bending joint of a straight finger to its tip \[m\], thumb first, of a hand of 0.19 m:
-/// what an angle moves at the tip.
-const LEVERS: [[f64; 3]; DIGITS] = [
+/// From each bending joint of a straight finger to its tip \[m\], thumb first, of a hand as long as
+/// [`LEVER_HAND`]: what an angle moves at the tip.
+pub const LEVERS: [[f64; 3]; DIGITS] = [
     [0.106, 0.060, 0.027],
     [0.095, 0.050, 0.024],
     [0.105, 0.055, 0.025],
     [0.098, 0.053, 0.025],
     [0.078, 0.042, 0.023],
 ];
-/// Wrist to middle fingertip of that hand \[m\].
-const LEVER_HAND: f64 = 0.19;
+/// Wrist to middle fingertip of the hand that [`LEVERS`] are of \[m\].
+pub const LEVER_HAND: f64 = 0.19;
 /// Joints of the fingertips among the 25.
-const TIPS: [usize; DIGITS] = [4, 9, 14, 19, 24];
+pub const TIPS: [usize; DIGITS] = [4, 9, 14, 19, 24];
 /// The three bones of each digit that bend, as a joint and the one before it.
 const BENDING: [[[usize; 2]; 3]; DIGITS] = [
     [[1, 0], [2, 1], [3, 2]],

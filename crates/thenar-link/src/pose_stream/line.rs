@@ -10,10 +10,8 @@ use thenar_core::model::Side;
 use thenar_core::{Pose, Vec3};
 use thenar_input::plain;
 use thenar_track::TRACKED_JOINTS;
-use thenar_track::live::LivePose;
+use thenar_track::live::{LivePose, RADIUS_MAX};
 
-/// Nothing of a hand is thicker \[m\].
-const RADIUS_MAX: f64 = 0.5;
 /// Times are seconds of any clock within this (31 years) \[s\].
 const TIME_MAX: f64 = 1e9;
 

@@ -23,8 +23,8 @@ use thenar_track::source_clock::SourceClock;
 
 /// UDP port unless another is chosen.
 pub const UDP_PORT: u16 = 9010;
-/// Longest line \[bytes\].
-pub const LINE_BYTES_MAX: usize = 64 << 10;
+/// Longest line, as of recordings, which have the same lines \[bytes\].
+pub const LINE_BYTES_MAX: usize = thenar_track::LINE_BYTES_MAX as usize;
 /// Lines per second that are read; two hands at 1 kHz are 2000.
 pub const LINES_PER_SECOND: f64 = 2500.0;
 /// Bytes per second that are read; two hands at 1 kHz are some 5 MB.

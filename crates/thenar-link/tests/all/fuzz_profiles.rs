@@ -2,15 +2,14 @@
 //! whatever a file says, it is played with, or refused in a line that names it. The same code runs
 //! under `cargo fuzz`, see `fuzz/`.
 
-#[path = "../../../thenar-rig/tests/damage/bytes.rs"]
-mod damage;
 #[path = "../../../../fuzz/src/profiles.rs"]
 mod profiles;
 
-use damage::{Random, damaged};
 use profiles::{DRIVERS, plays};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+use thenar_core::random::Random;
+use thenar_testing::damaged;
 
 const NUMBERS: [&str; 14] = [
     "0",
@@ -56,7 +55,7 @@ fn renumbered(text: &str, random: &mut Random) -> String {
 fn damaged_profiles_play_or_are_refused() {
     let name = format!("thenar-fuzz-profile-{}.toml", std::process::id());
     let file: PathBuf = std::env::temp_dir().join(name);
-    let mut random = Random(0x5eed_0000_0000_0006);
+    let mut random = Random::new(0x5eed_0000_0000_0006);
     for (driver, (name, shipped)) in DRIVERS.into_iter().enumerate() {
         plays(driver, b"", &file).unwrap();
         plays(driver, shipped.as_bytes(), &file).unwrap();

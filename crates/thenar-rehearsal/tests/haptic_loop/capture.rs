@@ -70,10 +70,9 @@ fn clean(headset: &mut Headset, side: Side, at: u64, joints: [Pose; 25], _: &mut
 fn bad(headset: &mut Headset, side: Side, at: u64, mut joints: [Pose; 25], random: &mut Random) {
     let ms = at / MS;
     let lost = random.symmetric() > 0.6;
-    let mut noise = |size: f64| Vec3::from_fn(|_, _| size * random.symmetric());
     for pose in &mut joints {
-        pose.position += noise(2e-3);
-        pose.rotation = Quat::from_scaled_axis(noise(0.05)) * pose.rotation;
+        pose.position += random.vector(2e-3);
+        pose.rotation = Quat::from_scaled_axis(random.vector(0.05)) * pose.rotation;
     }
     let frozen = (1500..1700).contains(&ms);
     let swapped = (1900..2100).contains(&ms) && (ms / 22).is_multiple_of(2);

@@ -288,7 +288,7 @@ fn no_output_is_ever_beyond_its_limits() {
         let mut rig =
             Rig::new(&Settings { mode: *mode, ..Settings::default() }, Rendering::Tendons);
         rig.engaged();
-        let mut wild = |low: f64, high: f64| low + (high - low) * 0.5 * (random.symmetric() + 1.0);
+        let mut wild = |low: f64, high: f64| random.range(low, high);
         for _ in 0..4000 {
             if wild(0.0, 1.0) < 0.3 {
                 rig.blocked_frame();

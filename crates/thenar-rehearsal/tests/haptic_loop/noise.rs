@@ -71,11 +71,6 @@ struct Seen {
 const AT_90_HZ: Seen = Seen { every: 11, late: 0, noise: [0.0; 2] };
 const NOISE: [f64; 2] = [1e-3, 2.0 * TAU / 360.0];
 
-/// Normal, of this standard deviation, by the sum of twelve even numbers.
-fn white(random: &mut Random, size: f64) -> f64 {
-    size * 0.5 * (0..12).map(|_| random.symmetric()).sum::<f64>()
-}
-
 /// Root mean square of a signal's part between two frequencies \[Hz\], but for its mean; samples
 /// every millisecond.
 fn band(signal: &[f64], from: f64, to: f64) -> f64 {
@@ -98,9 +93,9 @@ fn band(signal: &[f64], from: f64, to: f64) -> f64 {
 /// This pose as it is seen with noise: the wrist turns as its knuckles' places, 8 cm away, are off.
 fn seen(pose: &LivePose, [place, turn]: [f64; 2], random: &mut Random) -> LivePose {
     let LivePose::Angles { wrist, mut angles } = *pose else { unreachable!() };
-    let shift = Vec3::from_fn(|_, _| white(random, place));
-    let twist = Quat::from_scaled_axis(Vec3::from_fn(|_, _| white(random, place / 0.08)));
-    angles.iter_mut().for_each(|angle| *angle += white(random, turn));
+    let shift = Vec3::from_fn(|_, _| place * random.normal());
+    let twist = Quat::from_scaled_axis(Vec3::from_fn(|_, _| place / 0.08 * random.normal()));
+    angles.iter_mut().for_each(|angle| *angle += turn * random.normal());
     LivePose::Angles { wrist: Pose::new(wrist.position + shift, twist * wrist.rotation), angles }
 }
 

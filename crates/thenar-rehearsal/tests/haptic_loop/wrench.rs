@@ -95,7 +95,7 @@ fn no_wrench_is_ever_beyond_its_limits() {
         let settings = Settings { mode: *mode, grip: None, ..Settings::default() };
         let mut rig = Rig::new(&settings, Rendering::Wrench);
         rig.engaged();
-        let mut wild = |size: f64| Vec3::from_fn(|_, _| size * random.symmetric());
+        let mut wild = |size: f64| random.vector(size);
         for tick in 0..3000u64 {
             if tick % 16 == 0 {
                 rig.blocked_frame();

@@ -14,6 +14,7 @@ pub(super) use mimic::Follows;
 
 use super::plan::{Plan, PlanBone, PlanSolid};
 use crate::RigError;
+use crate::mesh::COORDINATE_MAX;
 use merge::Bone;
 use nalgebra::Rotation3;
 use settle::settle;
@@ -23,10 +24,8 @@ use thenar_core::shape::Shape;
 use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_input::quoted;
 
-/// Farthest admissible coordinate of a figure \[m\].
-const COORDINATE_MAX: f64 = 1e6;
 /// Shorter vectors have no direction.
-const SHORT: f64 = 1e-10;
+pub(super) const SHORT: f64 = 1e-10;
 /// Names that a message lists before it counts the rest.
 const LISTED: usize = 8;
 

@@ -6,11 +6,8 @@ use super::plan::Plan;
 use crate::RigError;
 use crate::TriMesh;
 use crate::embed::check_closed;
-use crate::mesh::{Hole, Topology, close_holes, components, weld};
+use crate::mesh::{Hole, Topology, close_holes, components, weld_near};
 use crate::united::{United, largest_piece, united};
-
-/// Vertices closer than this part of the mesh's size are one.
-const WELD: f64 = 1e-6;
 
 /// A body's surface, and what was done to have it.
 pub struct Skin {
@@ -60,8 +57,7 @@ fn laid(plan: &Plan, thickness: f64) -> Result<Skin, RigError> {
 
 fn whole(mesh: &TriMesh) -> Result<Skin, RigError> {
     mesh.check()?;
-    let [low, high] = mesh.bounds();
-    let welded = weld(mesh, WELD * (high - low).norm()).mesh.compacted();
+    let welded = weld_near(mesh);
     let (of_vertex, count) = components(&welded);
     let mut body = largest_piece(&welded, &of_vertex, count);
     if body.triangles.is_empty() {

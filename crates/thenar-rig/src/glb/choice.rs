@@ -7,7 +7,7 @@
 use super::container::Container;
 use super::skeleton;
 use super::{primitive, skin::Nodes};
-use crate::mesh::{components, weld};
+use crate::mesh::{components, weld_near};
 use crate::{RigError, TriMesh};
 use nalgebra::Matrix4;
 use std::collections::HashMap;
@@ -154,9 +154,6 @@ fn whole(file: &Container, source: &gltf::Mesh<'_>) -> Result<Result<TriMesh, Ri
     Ok(Ok(mesh))
 }
 
-/// Vertices closer than this part of the mesh's size are one.
-const WELD: f64 = 1e-6;
-
 /// Volume of a mesh's connected pieces, each closed by cones from its border to the middle of its
 /// vertices: exact of closed pieces, nothing of flat ones, whichever side is out.
 fn volume(mesh: &TriMesh) -> f64 {
@@ -166,7 +163,7 @@ fn volume(mesh: &TriMesh) -> f64 {
     if !size.is_finite() || mesh.triangles.is_empty() {
         return 0.0;
     }
-    let mesh = weld(mesh, WELD * size).mesh.compacted();
+    let mesh = weld_near(mesh);
     let (of_vertex, count) = components(&mesh);
     let mut sums = vec![(Vec3::zeros(), 0.0); count];
     for (p, &k) in mesh.positions.iter().zip(&of_vertex).filter(|(_, k)| **k != u32::MAX) {

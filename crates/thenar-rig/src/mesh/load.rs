@@ -5,6 +5,8 @@ use crate::error::positive;
 use crate::work::phase;
 use crate::{RigError, TriMesh};
 use std::path::Path;
+use thenar_core::Vec3;
+use thenar_input::quoted;
 
 /// Larger files are refused.
 const FILE_BYTES_MAX: u64 = 512 << 20;
@@ -28,6 +30,24 @@ pub fn load_mesh(path: impl AsRef<Path>, scale: f64) -> Result<TriMesh, RigError
         RigError::Read { .. } => error,
         other => other.in_file(path.display()),
     })
+}
+
+/// The next three words of a line of text, as a place.
+pub(super) fn place<'a>(
+    words: &mut impl Iterator<Item = &'a str>,
+    line: usize,
+) -> Result<Vec3, RigError> {
+    let mut p = Vec3::zeros();
+    for k in 0..3 {
+        p[k] = coordinate(words.next().unwrap_or_default(), line)?;
+    }
+    Ok(p)
+}
+
+/// A word of a line of text, as a coordinate.
+pub(super) fn coordinate(word: &str, line: usize) -> Result<f64, RigError> {
+    let number = word.parse().ok().filter(|x: &f64| x.is_finite());
+    number.ok_or_else(|| RigError::line(line, format!("{} is not a finite number", quoted(word))))
 }
 
 /// The bytes of a mesh's file.

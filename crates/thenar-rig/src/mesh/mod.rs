@@ -40,13 +40,14 @@ pub use stl::{read_stl, write_stl};
 pub use subdivide::{Refined, subdivide, subdivide_to};
 pub use topology::Topology;
 pub(crate) use topology::{components, find, join};
+pub(crate) use weld::{WELD, weld_near};
 pub use weld::{Welded, weld};
 
 use crate::RigError;
 use thenar_core::{Pose, Vec3};
 
 /// Largest admissible coordinate \[m\]; keeps every product of coordinates finite.
-const COORDINATE_MAX: f64 = 1e6;
+pub(crate) const COORDINATE_MAX: f64 = 1e6;
 
 /// Most triangles and vertices of a file's mesh: building from them stays below a gigabyte.
 const TRIANGLES_MAX: usize = 1_000_000;

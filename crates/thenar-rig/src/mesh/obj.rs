@@ -1,5 +1,6 @@
 //! Wavefront OBJ: vertices and faces; everything else is passed over.
 
+use super::load::coordinate;
 use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
 use thenar_core::Vec3;
@@ -38,9 +39,7 @@ fn vertex<'a>(mut words: impl Iterator<Item = &'a str>, line: usize) -> Result<V
         let word = words.next().ok_or_else(|| {
             RigError::line(line, format!("a vertex needs three coordinates, not {k}"))
         })?;
-        p[k] = word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
-            RigError::line(line, format!("{} is not a finite number", quoted(word)))
-        })?;
+        p[k] = coordinate(word, line)?;
     }
     Ok(p)
 }

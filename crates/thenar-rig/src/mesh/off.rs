@@ -1,9 +1,9 @@
 //! OFF (Object File Format): vertices, then polygons; colours and normals are passed over.
 
+use super::load::place;
 use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
 use std::str::SplitAsciiWhitespace;
-use thenar_core::Vec3;
 use thenar_input::quoted;
 
 /// Reads the triangles of an ASCII OFF file, also of its forms with colours or normals (`COFF`,
@@ -82,20 +82,10 @@ fn whole(words: &mut SplitAsciiWhitespace<'_>, line: usize) -> Result<usize, Rig
         .ok_or_else(|| RigError::line(line, format!("{} is not a count or an index", quoted(word))))
 }
 
-fn place(words: &mut SplitAsciiWhitespace<'_>, line: usize) -> Result<Vec3, RigError> {
-    let mut p = Vec3::zeros();
-    for k in 0..3 {
-        let word = words.next().unwrap_or_default();
-        p[k] = word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
-            RigError::line(line, format!("{} is not a finite number", quoted(word)))
-        })?;
-    }
-    Ok(p)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use thenar_core::Vec3;
 
     #[test]
     fn polygons_colours_comments_and_counts_beside_the_word_are_read() {

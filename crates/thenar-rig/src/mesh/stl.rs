@@ -1,5 +1,6 @@
 //! STL, binary and ASCII.
 
+use super::load::place;
 use super::weld;
 use crate::{RigError, TriMesh};
 use thenar_core::Vec3;
@@ -80,7 +81,7 @@ fn read_ascii(bytes: &[u8]) -> Result<TriMesh, RigError> {
         match keyword.to_ascii_lowercase().as_str() {
             "facet" if !in_facet => (in_facet, corners) = (true, 0),
             "vertex" if in_facet && corners < 3 => {
-                mesh.positions.push(corner(words, number)?);
+                mesh.positions.push(place(&mut words, number)?);
                 corners += 1;
             }
             "endfacet" if in_facet && corners == 3 => {
@@ -106,17 +107,6 @@ fn read_ascii(bytes: &[u8]) -> Result<TriMesh, RigError> {
         return Err(RigError::line(number, "the STL data ends before \"endsolid\""));
     }
     Ok(mesh)
-}
-
-fn corner<'a>(mut words: impl Iterator<Item = &'a str>, line: usize) -> Result<Vec3, RigError> {
-    let mut p = Vec3::zeros();
-    for k in 0..3 {
-        let word = words.next().unwrap_or_default();
-        p[k] = word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
-            RigError::line(line, format!("{} is not a finite number", quoted(word)))
-        })?;
-    }
-    Ok(p)
 }
 
 /// Writes binary STL.

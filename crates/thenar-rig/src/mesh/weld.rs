@@ -4,6 +4,9 @@ use crate::TriMesh;
 use std::collections::HashMap;
 use thenar_core::Vec3;
 
+/// Vertices closer than this part of the mesh's size are one.
+pub(crate) const WELD: f64 = 1e-6;
+
 /// A welded mesh.
 #[derive(Clone, Debug)]
 pub struct Welded {
@@ -27,6 +30,13 @@ pub fn weld(mesh: &TriMesh, tolerance: f64) -> Welded {
     triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
     let dropped = mesh.triangles.len() - triangles.len();
     Welded { mesh: TriMesh { positions: kept.positions, triangles }, map, dropped }
+}
+
+/// The mesh with vertices merged that lie as near to each other as [`WELD`] says, and without those
+/// that no triangle uses.
+pub(crate) fn weld_near(mesh: &TriMesh) -> TriMesh {
+    let [low, high] = mesh.bounds();
+    weld(mesh, WELD * (high - low).norm()).mesh.compacted()
 }
 
 /// The vertices that stay, with a hash grid over them of cell size `tolerance`.

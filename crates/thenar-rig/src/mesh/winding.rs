@@ -129,7 +129,7 @@ mod tests {
         let mut random = Random::new(7);
         for count in [1, 2, 3, 10, 100, 3000] {
             for scale in [1e-4, 1.0, 1e3] {
-                let mut point = || Vec3::from_fn(|_, _| random.symmetric() * scale);
+                let mut point = || random.vector(scale);
                 let p = point() * 0.3;
                 let mut triangles: Vec<[Vec3; 3]> =
                     (0..count).map(|_| [point(), point(), point()]).collect();

@@ -1,6 +1,7 @@
 //! Header and body of a model file.
 
 use crate::RigError;
+use thenar_input::{FNV_START, fnv1a};
 
 const MAGIC: &[u8; 8] = b"THENARMD";
 /// Version that is written; all from 1 on are read.
@@ -24,7 +25,7 @@ pub(super) fn encode(kind: Kind, model: &impl serde::Serialize) -> Result<Vec<u8
     bytes.extend(VERSION.to_le_bytes());
     bytes.extend((kind as u32).to_le_bytes());
     bytes.extend((body.len() as u64).to_le_bytes());
-    bytes.extend(fnv1a(&body).to_le_bytes());
+    bytes.extend(fnv1a(FNV_START, &body).to_le_bytes());
     bytes.extend(body);
     Ok(bytes)
 }
@@ -61,7 +62,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<(u32, Kind, &[u8]), RigError> {
             format!("the header says {length} bytes of model, there are {}", body.len()),
         ));
     }
-    if fnv1a(body) != checksum {
+    if fnv1a(FNV_START, body) != checksum {
         return Err(RigError::byte(24, "the checksum does not agree: the file is damaged"));
     }
     Ok((version, kind, body))
@@ -74,25 +75,5 @@ pub(super) fn decode<'a, T: serde::Deserialize<'a>>(body: &'a [u8]) -> Result<T,
         Ok(model)
     } else {
         Err(RigError::invalid(format!("{} bytes are left over after the model", rest.len())))
-    }
-}
-
-/// The 64-bit FNV-1a hash (Fowler, Noll, Vo). Guards against damage, not against malice; a
-/// malicious body is caught by the checks after decoding.
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fnv1a_gives_its_authors_values() {
-        assert_eq!(fnv1a(b""), 0xcbf29ce484222325);
-        assert_eq!(fnv1a(b"a"), 0xaf63dc4c8601ec8c);
-        assert_eq!(fnv1a(b"foobar"), 0x85944171f73967e8);
     }
 }

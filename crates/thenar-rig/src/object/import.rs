@@ -17,8 +17,8 @@
 use super::rigid::RigidModel;
 use crate::error::positive;
 use crate::mesh::{
-    Bvh, GridOptions, Inside, MassProperties, Orientation, Topology, close_holes, distance_grid,
-    mass_of_grid, resampled, weld,
+    Bvh, GridOptions, Inside, MassProperties, Orientation, Topology, WELD, close_holes,
+    distance_grid, mass_of_grid, resampled, weld,
 };
 use crate::size::sensible_size;
 use crate::work::phase;
@@ -100,8 +100,6 @@ pub struct MeshReport {
     pub grid_values: usize,
 }
 
-/// Vertices closer than this part of the mesh's size are one.
-const WELD: f64 = 1e-6;
 /// Exact and grid volume agree when they differ by less than this part.
 const VOLUME_AGREEMENT: f64 = 0.03;
 

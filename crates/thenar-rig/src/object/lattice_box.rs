@@ -16,8 +16,8 @@ pub enum Cubes {
     Five,
 }
 
-/// The largest block, so that memory stays bounded.
-const TETS_MAX: usize = 2_000_000;
+/// Most tetrahedra of a block or a ball, so that memory stays bounded.
+pub(super) const TETS_MAX: usize = 2_000_000;
 
 /// A box of these edge lengths \[m\] and numbers of cells, centred at the origin. Node
 /// `i + (nx + 1) (j + (ny + 1) k)` lies at lattice place (i, j, k). Collision and render surface

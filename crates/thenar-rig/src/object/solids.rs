@@ -1,5 +1,6 @@
 //! Balls of tetrahedra, solid or around a core, for validation and play.
 
+use super::lattice_box::TETS_MAX;
 use super::soft::{SoftModel, SoftOptions, soft_from_tets, volume};
 use crate::RigError;
 use crate::error::positive;
@@ -32,8 +33,6 @@ impl Ball {
         Self { outer, inner, frequency: refinement.max(1), layers, growth: 1.0, focus: 1.0 }
     }
 }
-
-const TETS_MAX: u64 = 2_000_000;
 
 /// Builds the ball; `material` is asked at each element's centroid.
 pub fn ball(
@@ -83,7 +82,8 @@ fn check(shape: &Ball) -> Result<(), RigError> {
         return Err(RigError::Parameter { name: "inner", expected, value: shape.inner });
     }
     let tets = 60 * u64::from(shape.frequency).pow(2) * u64::from(shape.layers);
-    if shape.frequency == 0 || shape.layers == 0 || shape.frequency > 1000 || tets > TETS_MAX {
+    if shape.frequency == 0 || shape.layers == 0 || shape.frequency > 1000 || tets > TETS_MAX as u64
+    {
         return Err(RigError::invalid(format!(
             "a ball of frequency {} and {} layers has none or more than {TETS_MAX} tetrahedra",
             shape.frequency, shape.layers

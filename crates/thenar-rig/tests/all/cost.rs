@@ -3,11 +3,11 @@
 //! comparisons of a point with a triangle (`STAGE_MAX` of a stage takes about half a minute), not
 //! time.
 
-use crate::damage::Random;
 use std::cell::RefCell;
 use std::rc::Rc;
 use thenar_core::Vec3;
 use thenar_core::model::{Law, Material, Side};
+use thenar_core::random::Random;
 use thenar_rig::embed::{EmbedOptions, embed};
 use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
 use thenar_rig::hand::asset;
@@ -68,10 +68,10 @@ fn hand(skin: &TriMesh) -> (Result<(), String>, f64) {
 fn crumpled(fineness: usize) -> TriMesh {
     let rig = thenar_rig::glb::read_skinned_glb(asset(Side::Right)).unwrap();
     let [low, high] = rig.mesh.bounds();
-    let mut random = Random(0x5eed_0000_0000_0008);
+    let mut random = Random::new(0x5eed_0000_0000_0008);
     let mut mesh = shapes::sphere(0.1, fineness as u32);
     for p in &mut mesh.positions {
-        *p = Vec3::from_fn(|k, _| low[k] + (high[k] - low[k]) * random.below(10_000) as f64 * 1e-4);
+        *p = Vec3::from_fn(|k, _| low[k] + (high[k] - low[k]) * random.unit());
     }
     mesh
 }
@@ -89,9 +89,8 @@ fn a_hand_of_overlapping_triangles_costs_no_more_than_a_stage() {
 /// A hundred thousand triangles of 5 mm that hang together nowhere.
 #[test]
 fn a_thicket_is_refused_or_costs_no_more_than_a_stage() {
-    let mut random = Random(0x5eed_0000_0000_0009);
-    let mut below =
-        |size: f64| Vec3::from_fn(|_, _| size * (random.below(1 << 20) as f64 / (1 << 20) as f64));
+    let mut random = Random::new(0x5eed_0000_0000_0009);
+    let mut below = |size: f64| Vec3::from_fn(|_, _| size * random.unit());
     let mut mesh = TriMesh::default();
     for t in 0..100_000 {
         let place = below(0.5);

@@ -5,13 +5,15 @@
 //! mean. The same code runs under `cargo fuzz`, see `fuzz/`.
 
 use crate::bodies;
-use crate::damage::{Random, ascii_stl, damaged, glb, obj};
+use crate::damage::{ascii_stl, glb, obj};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 use thenar_core::Vec3;
+use thenar_core::random::Random;
 use thenar_rig::hand::asset;
 use thenar_rig::mesh::{shapes, write_stl};
 use thenar_rig::{Model, RigError, TriMesh};
+use thenar_testing::damaged;
 
 /// Makes a body of every damaged form of the seeds; returns how many were made and moved.
 fn endures(
@@ -20,7 +22,7 @@ fn endures(
     seeds: &[Vec<u8>],
     build: impl Fn(&[u8]) -> Result<bool, RigError>,
 ) -> usize {
-    let mut random = Random(0x5eed_0000_0000_0002);
+    let mut random = Random::new(0x5eed_0000_0000_0002);
     let mut moved = 0;
     for (i, seed) in seeds.iter().enumerate() {
         assert!(build(seed).unwrap(), "{name}: seed {i} moves");
@@ -146,7 +148,7 @@ fn a_hand_without_a_surface_is_refused() {
 /// triangles left out, repeated, turned over.
 #[test]
 fn crooked_meshes_endure() {
-    let mut random = Random(0x5eed_0000_0000_0003);
+    let mut random = Random::new(0x5eed_0000_0000_0003);
     let (mut rigid, mut soft) = (0, 0);
     for round in 0..300 {
         let mut mesh = match round % 3 {

@@ -6,14 +6,16 @@
 //! `fuzz/`.
 
 use crate::bodies::sealed;
-use crate::damage::{Random, ascii_stl, damaged, glb, obj};
+use crate::damage::{ascii_stl, glb, obj};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use thenar_core::Vec3;
 use thenar_core::model::EmbeddedSurface;
+use thenar_core::random::Random;
 use thenar_rig::glb::{read_glb, read_skinned_glb};
 use thenar_rig::mesh::{read_obj, read_off, read_ply, read_stl, shapes, write_stl};
 use thenar_rig::{Model, RigError};
+use thenar_testing::damaged;
 
 /// A damaged copy is made this often per seed; longer seeds are cut only at so many bytes.
 const ROUNDS: usize = 3000;
@@ -43,7 +45,7 @@ fn endures<T>(
             Ok(Ok(_)) => true,
         }
     };
-    let mut random = Random(0x5eed_0000_0000_0001);
+    let mut random = Random::new(0x5eed_0000_0000_0001);
     for (i, seed) in seeds.iter().enumerate() {
         assert!(run(seed, &format!("seed {i}")), "seed {i} of {name} is not read");
         for cut in (0..seed.len()).step_by(seed.len().div_ceil(rounds)) {

@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 use thenar_core::Vec3;
+use thenar_core::random::Random;
 use thenar_rig::TriMesh;
 use thenar_rig::mesh::{
     Bvh, Topology, decimate, decimate_within, shapes, subdivide, subdivide_to, weld,
@@ -10,14 +11,8 @@ use thenar_rig::mesh::{
 
 /// A seeded sequence of points in the cube [-1, 1]³.
 fn points(n: usize) -> Vec<Vec3> {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
-    (0..n).map(|_| Vec3::new(next(), next(), next())).collect()
+    let mut random = Random::new(1);
+    (0..n).map(|_| random.vector(1.0)).collect()
 }
 
 fn torus(major: f64, minor: f64, n: u32, m: u32) -> TriMesh {

@@ -1,9 +1,5 @@
-//! Good files, and what damage makes of them.
+//! Good files, to be damaged.
 
-mod bytes;
-
-#[allow(unused_imports)]
-pub use bytes::{Random, damaged};
 use thenar_rig::TriMesh;
 
 /// A mesh as OBJ, corners in all three forms.

@@ -3,6 +3,7 @@
 use super::kind::GripKind;
 use crate::build::BuiltHand;
 use thenar_core::model::{BodyId, Digit};
+use thenar_core::readout::part_touched;
 use thenar_core::world::ContactPoint;
 use thenar_core::{Vec3, World};
 
@@ -168,10 +169,10 @@ fn touches(
 ) {
     for contact in world.contacts() {
         for side in 0..2 {
-            let Some(digit) = digit_touched(contact, side, hand) else { continue };
+            let Some(digit) = digit_touched(world, contact, side, hand) else { continue };
             let counts = match against {
                 Against::Object(object) => contact.bodies[1 - side] == object,
-                Against::OtherSide(kind) => digit_touched(contact, 1 - side, hand)
+                Against::OtherSide(kind) => digit_touched(world, contact, 1 - side, hand)
                     .is_some_and(|other| kind.opposes(digit, other)),
             };
             if counts {
@@ -182,16 +183,14 @@ fn touches(
 }
 
 /// The digit of a hand that a point touches on this side.
-pub fn digit_touched(contact: &ContactPoint, side: usize, hand: &BuiltHand) -> Option<Digit> {
-    match contact.bodies[side] {
-        BodyId::Soft(soft) if Some(soft) == hand.flesh() => {
-            hand.model.collision_digits.get(contact.vertices[side]? as usize).copied()
-        }
-        BodyId::Rigid(bone) if hand.handle.bones.contains(&bone) => {
-            Some(hand.model.bones[(bone - hand.handle.bones.start) as usize].digit)
-        }
-        _ => None,
-    }
+fn digit_touched(
+    world: &World,
+    contact: &ContactPoint,
+    side: usize,
+    hand: &BuiltHand,
+) -> Option<Digit> {
+    let (soft, part) = part_touched(world, contact, side)?;
+    Digit::PARTS.get(part as usize).copied().filter(|_| Some(soft) == hand.flesh())
 }
 
 #[cfg(test)]

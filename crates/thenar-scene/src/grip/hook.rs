@@ -15,6 +15,7 @@ use super::choose::Choice;
 use super::holding::LEVER;
 use super::memory::PadMemory;
 use super::opposition::{Opposition, PADS_MAX};
+use super::reaching::CLOSING;
 use super::size::pads_middle;
 use super::surface::{clearance, nearest};
 use super::trouble::Trouble;
@@ -34,8 +35,6 @@ const ON_SKIN: f64 = 1e-4;
 /// Time in which a bone would cover the way that is left \[s\], were it not to slow down: that of
 /// pads which gather.
 const APPROACH: f64 = 0.2;
-/// Slowest that a bone comes up \[m/s\]: as fast as pads close.
-const CLOSING: f64 = 0.04;
 /// Fastest that joints bend \[rad/s\]: as fast as they follow.
 const FASTEST: f64 = 4.0;
 /// Shortest lever by which a joint moves skin \[m\]: nearer to its axis any turn counts as this.

@@ -32,7 +32,6 @@ mod squeeze;
 mod surface;
 mod trouble;
 
-pub(crate) use felt::digit_touched;
 pub use hand::{GripHand, GripState};
 pub use kind::GripKind;
 pub use loss::Loss;

@@ -26,7 +26,7 @@ pub(super) const BEFORE: f64 = 12e-3;
 const TOUCHES: f64 = 1e-3;
 /// Speed at which pads go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is
 /// hard with `v √(k m)` = 0.1 N.
-const CLOSING: f64 = 0.04;
+pub(super) const CLOSING: f64 = 0.04;
 /// Depth behind the surface to which pads look for it \[m\].
 const BEHIND: f64 = 8e-3;
 /// Rate at which targets make up for what pads lack \[1/s\], and the most by which they do \[m\].

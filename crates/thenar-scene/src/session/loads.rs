@@ -1,10 +1,9 @@
 //! Loads on a hand.
 
 use crate::build::BuiltHand;
-use crate::grip::digit_touched;
+use thenar_core::World;
 use thenar_core::model::Digit;
-use thenar_core::readout::PatchSum;
-use thenar_core::world::ContactPoint;
+use thenar_core::readout::{PatchSum, sum_parts};
 
 /// Load on one part of a hand, or the largest that there was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,19 +41,14 @@ impl HandLoad {
 }
 
 /// Palm, thumb, index, middle, ring, little.
-pub const PARTS: [Digit; 6] =
-    [Digit::Palm, Digit::Thumb, Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
+pub const PARTS: [Digit; 6] = Digit::PARTS;
 
 /// Loads on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is crushed.
-pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] {
+pub fn hand_loads(world: &World, hand: &BuiltHand) -> [HandLoad; 6] {
     let mut sums = [PatchSum::default(); 6];
-    for contact in contacts {
-        for side in 0..2 {
-            let digit = digit_touched(contact, side, hand);
-            let part = PARTS.iter().position(|part| Some(*part) == digit);
-            let Some(part) = part else { continue };
-            sums[part].add(contact, side);
-        }
+    // A skeleton touches nothing.
+    if let Some(soft) = hand.flesh() {
+        sum_parts(world, soft, &mut sums);
     }
     sums.map(|sum| {
         let patch = sum.finish(0.0);

@@ -258,7 +258,7 @@ impl Session {
     /// # Panics
     /// When there is no hand `hand`.
     pub fn hand_loads(&self, hand: usize) -> [HandLoad; 6] {
-        loads::hand_loads(self.world.contacts(), &self.built.hands[hand])
+        loads::hand_loads(&self.world, &self.built.hands[hand])
     }
 
     /// The soft bodies that are no hands.

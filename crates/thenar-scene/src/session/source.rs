@@ -5,6 +5,7 @@ use crate::format::PresetWord;
 use crate::hands::Hands;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use thenar_input::fnv1a;
 
 /// All that a session is made from but the files that its scene names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,9 +32,7 @@ impl Source {
     pub fn identity(&self, start: u64) -> u64 {
         let overrides = self.overrides.iter().flat_map(|set| [set.as_bytes(), b"\n"]);
         let texts = std::iter::once(self.text.as_bytes()).chain(overrides);
-        texts
-            .flatten()
-            .fold(start, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+        texts.fold(start, fnv1a)
     }
 
     /// A scene as it is written.

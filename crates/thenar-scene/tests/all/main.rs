@@ -3,8 +3,6 @@
 
 mod accuracy;
 mod contact;
-#[path = "../../../thenar-rig/tests/damage/bytes.rs"]
-mod damage;
 mod figures;
 mod hand;
 mod mimics;

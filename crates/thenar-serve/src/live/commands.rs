@@ -5,10 +5,7 @@ use super::run::Loop;
 use super::source::{LiveError, Recipe};
 use crate::hub::ClientId;
 use crate::protocol::{Command, PoseMessage, text};
-use std::time::{Duration, Instant};
-
-/// Least time between notices to a client whose poses fit no hand of the scene.
-const SCOLD_EVERY: Duration = Duration::from_secs(5);
+use std::time::Instant;
 
 /// Why nothing can be armed or stopped.
 const NO_DEVICES: &str = "no device is open; `thenar serve --device` opens one";
@@ -65,9 +62,7 @@ impl Loop {
         let Some(play) = &mut self.play else { return };
         if let Err(reason) = play.pose(&message) {
             // A headset tracks both hands whatever the scene has: that is no offence.
-            let now = Instant::now();
-            if self.scolded.is_none_or(|last| now - last > SCOLD_EVERY) {
-                self.scolded = Some(now);
+            if self.scold.is_due(Instant::now()) {
                 self.desk.tell(client, text::error(&reason));
             }
         }

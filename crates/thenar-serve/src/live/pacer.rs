@@ -1,26 +1,19 @@
 //! Keeps steps in time with a clock, and says how well that goes. Reads no clock itself.
 
+use crate::rounds::{LAG_MAX, Speedometer};
 use std::time::{Duration, Instant};
-
-/// Steps may lag behind by this much and catch up; what is later is given up, so that a slow
-/// machine shows slow motion and never falls further and further behind.
-const LAG_MAX: Duration = Duration::from_millis(40);
-/// Speed is measured over at least this long.
-const WINDOW: Duration = Duration::from_millis(500);
 
 /// Schedule of the steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Pacer {
     due: Instant,
-    /// Since when, and how much has been simulated since \[s\].
-    window: (Instant, f64),
-    reached: Option<f64>,
+    reached: Speedometer,
 }
 
 impl Pacer {
     /// A first step is due now.
     pub fn new(now: Instant) -> Self {
-        Self { due: now, window: (now, 0.0), reached: None }
+        Self { due: now, reached: Speedometer::new(now) }
     }
 
     /// Starts over after a rest: nothing is to be caught up.
@@ -40,18 +33,12 @@ impl Pacer {
         if begun > self.due + lag_max {
             self.due = begun;
         }
-        self.window.1 += simulated;
-        let real = begun.saturating_duration_since(self.window.0);
-        if real >= WINDOW {
-            // The window opens and closes at the beginning of a step.
-            self.reached = Some(self.window.1 / real.as_secs_f64());
-            self.window = (begun, 0.0);
-        }
+        self.reached.pass(simulated, begun);
     }
 
     /// Simulated over real time, once it has been measured.
     pub fn speed(&self) -> Option<f64> {
-        self.reached
+        self.reached.speed()
     }
 }
 

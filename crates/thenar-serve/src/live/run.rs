@@ -11,7 +11,8 @@ use super::source::{ReadyScene, Recipe};
 use super::status::Status;
 use crate::dead_man::DeadMan;
 use crate::hub::{ClientId, Desk, Event};
-use crate::protocol::{Pace, flags, text};
+use crate::protocol::{Pace, text};
+use crate::rounds::{EVENTS_AT_ONCE, NAP, STATUS_EVERY, Scold, pace};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -20,14 +21,7 @@ use thenar_scene::tuning::SettingValue;
 
 /// Nobody watching, the simulation rests after so long.
 const REST_AFTER: Duration = Duration::from_secs(5);
-/// Longest sleep, so that the end of the program or of a scene's making is not missed.
-const NAP: Duration = Duration::from_millis(50);
-/// Statuses are at least so far apart: a slider changes them with every pixel.
-const STATUS_EVERY: Duration = Duration::from_millis(40);
-/// Events taken between two looks at the clock.
-const EVENTS_AT_ONCE: usize = 256;
-/// Slower than this part of the wanted speed is called slow.
-const SLOW: f64 = 0.95;
+
 /// Everything that the simulation's thread holds.
 pub struct Loop {
     pub(super) desk: Desk,
@@ -49,8 +43,8 @@ pub struct Loop {
     told: Instant,
     /// Number of the last pose message of whoever holds control, of the left and right hand.
     pub(super) pose_numbers: [u32; 2],
-    /// Time when a client was last informed that there is no such hand.
-    pub(super) scolded: Option<Instant>,
+    /// Notices that there is no such hand.
+    pub(super) scold: Scold,
     pub(super) pacer: Pacer,
     pub(super) publisher: Publisher,
     cost: Duration,
@@ -92,7 +86,7 @@ impl Loop {
             changed: true,
             told: now,
             pose_numbers: [0; 2],
-            scolded: None,
+            scold: Scold::default(),
             pacer: Pacer::new(now),
             publisher: Publisher::default(),
             cost: Duration::ZERO,
@@ -214,17 +208,9 @@ impl Loop {
     /// Sends a snapshot of how things stand.
     pub(super) fn show(&mut self) {
         let Some(play) = &self.play else { return };
-        let reached = self.pacer.speed().unwrap_or(self.speed);
-        let paused = if self.paused { flags::PAUSED } else { 0 };
-        let slow = if reached < SLOW * self.speed { flags::SLOW } else { 0 };
-        let pace = Pace {
-            flags: paused | slow | play.flags(),
-            cost_ms: self.cost.as_secs_f64() * 1e3,
-            budget_ms: play.session().world().time_step() / self.speed * 1e3,
-            speed: if self.paused { 0.0 } else { reached },
-            pose: play.newest_pose(),
-            ..Pace::default()
-        };
+        let h = play.session().world().time_step();
+        let pace = pace(self.paused, self.speed, self.pacer.speed(), h, self.cost);
+        let pace = Pace { flags: pace.flags | play.flags(), pose: play.newest_pose(), ..pace };
         self.publisher.snapshot(play.session(), pace, &self.desk);
     }
 

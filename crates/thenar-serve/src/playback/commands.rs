@@ -4,10 +4,8 @@ use super::rhythm::Rhythm;
 use super::run::Loop;
 use crate::hub::ClientId;
 use crate::protocol::{Command, text};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// Least time between notices to a client that sends poses all the same.
-const SCOLD_EVERY: Duration = Duration::from_secs(5);
 /// Why nothing else acts.
 const RECORDED: &str = "this is a recording: its scene, hands and settings are as they were; pause, speed and place can be \
      chosen";
@@ -45,9 +43,7 @@ impl Loop {
 
     /// A pose, of whatever kind.
     pub(super) fn pose(&mut self, client: ClientId) {
-        let now = Instant::now();
-        if self.scolded.is_none_or(|last| now - last > SCOLD_EVERY) {
-            self.scolded = Some(now);
+        if self.scold.is_due(Instant::now()) {
             self.desk.tell(client, text::error(RECORDED));
         }
     }

@@ -1,27 +1,23 @@
 //! Times at which the moments of a recording are due. Reads no clock itself.
 
+use crate::rounds::{LAG_MAX, Speedometer};
 use std::time::{Duration, Instant};
 
-/// Longest lag that is made up for; beyond it, a slow machine shows slow motion.
-const LAG_MAX: Duration = Duration::from_millis(40);
 /// Longer silences of a recording (nobody watched, or it was paused) are made so short \[s\].
 const SILENCE_MAX: f64 = 1.0;
-/// Speed is measured over at least this long.
-const WINDOW: Duration = Duration::from_millis(500);
 
 /// Joins the recording's time and ours.
 #[derive(Clone, Copy, Debug)]
 pub struct Rhythm {
     /// A moment, and when it was shown.
     last: (f64, Instant),
-    window: (f64, Instant),
-    reached: Option<f64>,
+    reached: Speedometer,
 }
 
 impl Rhythm {
     /// The moment `at` \[s\] is shown now.
     pub fn new(at: f64, now: Instant) -> Self {
-        Self { last: (at, now), window: (0.0, now), reached: None }
+        Self { last: (at, now), reached: Speedometer::new(now) }
     }
 
     /// Time at which the next moment is due, at this speed.
@@ -33,18 +29,13 @@ impl Rhythm {
     /// A moment was shown, `now` or a little late.
     pub fn shown(&mut self, at: f64, speed: f64, now: Instant) {
         let due = self.due(at, speed);
-        self.window.0 += (at - self.last.0).clamp(0.0, SILENCE_MAX);
+        self.reached.pass((at - self.last.0).clamp(0.0, SILENCE_MAX), now);
         self.last = (at, if now > due + LAG_MAX { now } else { due });
-        let real = now.saturating_duration_since(self.window.1);
-        if real >= WINDOW {
-            self.reached = Some(self.window.0 / real.as_secs_f64());
-            self.window = (0.0, now);
-        }
     }
 
     /// Recorded over real time, once it has been measured.
     pub fn speed(&self) -> Option<f64> {
-        self.reached
+        self.reached.speed()
     }
 }
 

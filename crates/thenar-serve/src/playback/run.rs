@@ -8,27 +8,20 @@ use crate::live::control::Control;
 use crate::live::play::mover_flags;
 use crate::live::publish::Publisher;
 use crate::live::status::{Recorded, Status};
-use crate::protocol::{self, Pace, flags};
+use crate::protocol::{self, Pace};
+use crate::rounds::{EVENTS_AT_ONCE, NAP, STATUS_EVERY, Scold, pace};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use thenar_scene::hands::Hands;
 
-/// Longest sleep, so that the end of the program is not missed.
-const NAP: Duration = Duration::from_millis(50);
-/// Statuses are at least so far apart.
-const STATUS_EVERY: Duration = Duration::from_millis(40);
 /// Time between two reports of the place in the recording while it goes on.
 const PLACE_EVERY: Duration = Duration::from_millis(200);
 /// On the way to another place events are looked at so often.
 const APPROACH: Duration = Duration::from_millis(20);
 /// The end stays for so long before the recording begins again.
 const HOLD: Duration = Duration::from_millis(1500);
-/// Events taken between two looks at the clock.
-const EVENTS_AT_ONCE: usize = 256;
 /// Snapshots are at least so far apart.
 const SNAPSHOT_EVERY: Duration = Duration::from_micros(8300);
-/// Slower than this part of the wanted speed is called slow.
-const SLOW: f64 = 0.95;
 
 /// All that the thread holds.
 pub struct Loop {
@@ -50,8 +43,8 @@ pub struct Loop {
     told: Instant,
     pub(super) changed: bool,
     pub(super) problem: Option<String>,
-    /// Time when a client was last informed that poses move nothing.
-    pub(super) scolded: Option<Instant>,
+    /// Notices that poses move nothing.
+    pub(super) scold: Scold,
     pub(super) started: Instant,
 }
 
@@ -78,7 +71,7 @@ impl Loop {
             told: now,
             changed: true,
             problem: None,
-            scolded: None,
+            scold: Scold::default(),
             started: now,
         };
         new.show_scene()?;
@@ -228,16 +221,9 @@ impl Loop {
             self.made = None;
         }
         let Some(session) = self.deck.session() else { return };
-        let reached = self.rhythm.speed().unwrap_or(self.speed);
-        let paused = if self.paused { flags::PAUSED } else { 0 };
-        let slow = if reached < SLOW * self.speed { flags::SLOW } else { 0 };
-        let pace = Pace {
-            flags: paused | slow | mover_flags(session),
-            cost_ms: self.deck.cost().as_secs_f64() * 1e3,
-            budget_ms: session.world().time_step() / self.speed * 1e3,
-            speed: if self.paused { 0.0 } else { reached },
-            ..Pace::default()
-        };
+        let h = session.world().time_step();
+        let pace = pace(self.paused, self.speed, self.rhythm.speed(), h, self.deck.cost());
+        let pace = Pace { flags: pace.flags | mover_flags(session), ..pace };
         self.publisher.snapshot(session, pace, &self.desk);
     }
 

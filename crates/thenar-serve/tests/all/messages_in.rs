@@ -9,10 +9,6 @@ use thenar_scene::session::Random;
 use thenar_scene::tuning::SettingValue;
 use thenar_serve::protocol::{Command, Lengths, PoseBody, PoseError, PoseMessage};
 
-fn pick(random: &mut Random, n: usize) -> usize {
-    (((random.symmetric() + 1.0) / 2.0 * n as f64) as usize).min(n - 1)
-}
-
 fn header(kind: u8, hand: u8, number: u32, clock: f64) -> Vec<u8> {
     let mut bytes = vec![kind, 3, hand, 0];
     bytes.extend(number.to_le_bytes());
@@ -112,24 +108,24 @@ fn what_does_not_fit_is_refused_by_name() {
 
 fn damaged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
-    for _ in 0..=pick(random, 3) {
+    for _ in 0..=random.below(3) {
         let n = bytes.len().max(1);
-        match pick(random, 7) {
-            0 => bytes.truncate(pick(random, n)),
-            1 => bytes.extend((0..pick(random, 2000)).map(|_| pick(random, 256) as u8)),
+        match random.below(7) {
+            0 => bytes.truncate(random.below(n)),
+            1 => bytes.extend((0..random.below(2000)).map(|_| random.below(256) as u8)),
             2 => {
-                let by = pick(random, n).min(bytes.len());
+                let by = random.below(n).min(bytes.len());
                 bytes.rotate_left(by);
             }
-            3 if !bytes.is_empty() => bytes[pick(random, n)] = pick(random, 256) as u8,
+            3 if !bytes.is_empty() => bytes[random.below(n)] = random.below(256) as u8,
             4 if bytes.len() > 20 => {
                 let hostile = [f32::NAN, f32::INFINITY, -1e38, 1e-45, 10.0, -0.0];
-                let at = 16 + pick(random, (n - 16) / 4) * 4;
+                let at = 16 + random.below((n - 16) / 4) * 4;
                 if at + 4 <= bytes.len() {
-                    bytes[at..at + 4].copy_from_slice(&hostile[pick(random, 6)].to_le_bytes());
+                    bytes[at..at + 4].copy_from_slice(&hostile[random.below(6)].to_le_bytes());
                 }
             }
-            _ if !bytes.is_empty() => bytes[pick(random, n)] ^= 1 << pick(random, 8),
+            _ if !bytes.is_empty() => bytes[random.below(n)] ^= 1 << random.below(8),
             _ => {}
         }
     }
@@ -141,7 +137,7 @@ fn damaged_poses_are_refused_or_within_bounds() {
     let (mut taken, mut refused) = (0, 0);
     for seed in 0..60_000 {
         let mut random = Random::new(seed);
-        let whole = [joints(), angles(), lost()][pick(&mut random, 3)].clone();
+        let whole = [joints(), angles(), lost()][random.below(3)].clone();
         let bytes = damaged(&whole, &mut random);
         let Ok(message) = PoseMessage::read(&bytes) else {
             refused += 1;
@@ -265,7 +261,7 @@ fn damaged_commands_are_refused_or_within_bounds() {
     let mut taken = 0;
     for seed in 0..60_000 {
         let mut random = Random::new(seed);
-        let whole = COMMANDS[pick(&mut random, COMMANDS.len())];
+        let whole = COMMANDS[random.below(COMMANDS.len())];
         let bytes = damaged(whole.as_bytes(), &mut random);
         let text = String::from_utf8_lossy(&bytes);
         match Command::read(&text) {

@@ -5,6 +5,7 @@ use crate::stage::{Client, Got, Stage};
 use std::io::Write;
 use std::net::TcpStream;
 use std::time::Duration;
+use thenar_core::random::Random;
 use thenar_serve::http::{Reach, RequestLimits};
 use thenar_serve::hub::Event;
 use tokio_tungstenite::tungstenite::Message;
@@ -114,34 +115,24 @@ fn sessions_that_break_off_anywhere_leave_nothing_behind() {
     good.watch(50);
 }
 
-/// Xorshift, seeded: the same bytes in every run.
-struct Noise(u64);
-
-impl Noise {
-    fn bytes(&mut self, count: usize) -> Vec<u8> {
-        let mut next = || {
-            self.0 ^= self.0 << 13;
-            self.0 ^= self.0 >> 7;
-            self.0 ^= self.0 << 17;
-            self.0.to_le_bytes()[3]
-        };
-        (0..count).map(|_| next()).collect()
-    }
+/// Bytes that come next.
+fn bytes(random: &mut Random, count: usize) -> Vec<u8> {
+    (0..count).map(|_| random.below(256) as u8).collect()
 }
 
 #[test]
 fn noise_is_survived() {
     let stage = Stage::desk();
     let mut good = stage.join();
-    let mut noise = Noise(0x9e37_79b9_7f4a_7c15);
+    let mut random = Random::new(1);
     for round in 0..100 {
         // Before and after the upgrade, as raw bytes and in proper frames.
-        let _ = stage.connect().write_all(&noise.bytes(200));
-        let _ = stage.join_raw().write_all(&noise.bytes(200));
-        let payload = noise.bytes(1 + 10 * round);
+        let _ = stage.connect().write_all(&bytes(&mut random, 200));
+        let _ = stage.join_raw().write_all(&bytes(&mut random, 200));
+        let payload = bytes(&mut random, 1 + 10 * round);
         let mut stream = stage.join_raw();
         let _ = stream.write_all(&frame(0x82, &payload));
-        let _ = stream.write_all(&frame(0x80 | (noise.bytes(1)[0] & 0x0f), &payload));
+        let _ = stream.write_all(&frame(0x80 | (bytes(&mut random, 1)[0] & 0x0f), &payload));
     }
     stage.wait_left(200);
     good.watch(50);

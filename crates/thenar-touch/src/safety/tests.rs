@@ -4,7 +4,7 @@
 mod pauses;
 
 use super::*;
-use crate::testing::Random;
+use thenar_core::random::Random;
 
 const MS: u64 = 1_000_000;
 
@@ -40,12 +40,12 @@ fn quick() -> Limits {
 }
 
 fn one_in(random: &mut Random, n: u64) -> bool {
-    random.next().is_multiple_of(n)
+    random.bits().is_multiple_of(n)
 }
 
 /// A number that is mostly sane, sometimes huge, seldom none at all.
 fn number(random: &mut Random, size: f64) -> f64 {
-    match random.next() % 20_000 {
+    match random.bits() % 20_000 {
         0 => f64::NAN,
         1 => f64::INFINITY,
         2 => -f64::INFINITY,
@@ -76,17 +76,17 @@ fn attack<const N: usize>(seed: u64, limits: Limits, ticks: u32, seen: &mut Seen
             push = random.range(-30.0, 30.0);
             stale = [0; 3].map(|_| one_in(&mut random, 12));
         }
-        now = match random.next() % 4000 {
-            0 => now.saturating_sub(random.next() % (50 * MS)),
-            1 => now + random.next() % (1000 * MS),
+        now = match random.bits() % 4000 {
+            0 => now.saturating_sub(random.bits() % (50 * MS)),
+            1 => now + random.bits() % (1000 * MS),
             2..=100 => now,
-            _ => now + MS / 2 + random.next() % MS,
+            _ => now + MS / 2 + random.bits() % MS,
         };
         for (stamp, stale) in stamps.iter_mut().zip(stale) {
-            *stamp = match random.next() % 4000 {
-                0 => random.next(),
+            *stamp = match random.bits() % 4000 {
+                0 => random.bits(),
                 _ if stale => *stamp,
-                _ => now.saturating_sub(random.next() % (4 * MS)),
+                _ => now.saturating_sub(random.bits() % (4 * MS)),
             };
         }
         if one_in(&mut random, 700) {

@@ -4,10 +4,10 @@
 
 use super::*;
 use crate::RigidState;
-use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
 use thenar_core::math::{Mat3, Pose, Quat, Vec3, tangents};
 use thenar_core::model::Drive;
+use thenar_core::random::Random;
 
 const BONES: usize = 2;
 const NODES: usize = 6;
@@ -39,7 +39,7 @@ impl Full {
         let mut rows = DMatrix::zeros(3 * CONTACTS, TOTAL);
         let contacts = (0..CONTACTS)
             .map(|i| {
-                let n = random.vec3(1.0).normalize();
+                let n = random.vector(1.0).normalize();
                 let (t1, t2) = tangents(&n);
                 let frame = Mat3::from_rows(&[n.transpose(), t1.transpose(), t2.transpose()]);
                 rows.view_mut((3 * i, 6 * BONES + 3 * i), (3, 3)).copy_from(&frame);
@@ -50,7 +50,7 @@ impl Full {
             })
             .collect();
         let targets = (0..BONES)
-            .map(|_| RigidState::at_rest(Pose::new(random.vec3(0.1), random.rotation(3.0))))
+            .map(|_| RigidState::at_rest(Pose::new(random.vector(0.1), random.rotation(3.0))))
             .collect();
         Self { stiffness, rows, spring, targets, contacts }
     }
@@ -112,7 +112,10 @@ impl Full {
         let moved = |target: &RigidState| {
             let pose = target.pose_WB;
             let turn = random.rotation(0.02);
-            RigidState::at_rest(Pose::new(pose.position + random.vec3(0.02), turn * pose.rotation))
+            RigidState::at_rest(Pose::new(
+                pose.position + random.vector(0.02),
+                turn * pose.rotation,
+            ))
         };
         self.targets.iter().map(moved).collect()
     }

@@ -4,11 +4,11 @@
 
 use super::*;
 use crate::RigidState;
-use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
 use thenar_core::kernels::project;
 use thenar_core::math::{Mat3, Pose, Vec3};
 use thenar_core::model::{Cone, Drive};
+use thenar_core::random::Random;
 
 const BONES: usize = 3;
 const CONTACTS: usize = 24;
@@ -114,7 +114,7 @@ fn what_stays_open_need_not_be_known() {
             let forces = frame.contacts.iter().enumerate().map(start).collect();
             let mut plain = Plain { forces, anchors: vec![none; CONTACTS] };
             shared.begin(&frame);
-            let [ways, rates] = [(); 2].map(|()| [(); BONES].map(|()| random.vec3(0.02)));
+            let [ways, rates] = [(); 2].map(|()| [(); BONES].map(|()| random.vector(0.02)));
             for tick in 1..=40 {
                 let t = 0.1 * f64::from(tick);
                 let at = std::array::from_fn::<_, BONES, _>(|b| {

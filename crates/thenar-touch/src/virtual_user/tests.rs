@@ -3,9 +3,9 @@
 //! against eigenvalues of the loop written down independently here.
 
 use super::*;
-use crate::testing::Random;
 use crate::{CouplingDesign, Proxies};
 use thenar_core::math::Mat3;
+use thenar_core::random::Random;
 
 const DEVICE: Device = Device {
     mass: 0.1,

@@ -5,8 +5,8 @@ use crate::TRACKED_JOINTS;
 use thenar_core::Pose;
 use thenar_input::plain;
 
-/// Farthest place \[m\].
-const REACH: f64 = 10.0;
+/// Farthest place from the origin \[m\].
+pub const REACH: f64 = 10.0;
 /// Largest deviation of a quaternion's length from 1.
 const NORM_SLACK: f64 = 1e-2;
 /// Largest radius \[m\].

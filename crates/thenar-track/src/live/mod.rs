@@ -34,7 +34,7 @@ mod stance;
 #[cfg(test)]
 mod tests;
 
-pub use check::{LiveError, RADIUS_MAX, checked};
+pub use check::{LiveError, RADIUS_MAX, REACH, checked};
 pub use follower::{Law, follow};
 pub use hand::LiveHand;
 pub use memory::{LiveMemory, LiveMemoryRef};

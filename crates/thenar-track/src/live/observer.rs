@@ -355,11 +355,10 @@ mod tests {
         let least = noise(&Gains::after(Some(GAP), MEMORY[0]));
         assert!(most[0] < 0.58 * least[0] && most[1] < 0.02 * least[1], "{most:?} {least:?}");
         let mut random = Random::new(7);
-        let mut white = || (0..12).map(|_| random.symmetric()).sum::<f64>() * 0.5;
         let mut place = Observed::at(0.0);
         let (mut error, mut rate_error, count) = (0.0, 0.0, 4000);
         for k in 0..count + 200 {
-            place.take(1e-3 * white(), Some(GAP), 4.0, MEMORY[1]);
+            place.take(1e-3 * random.normal(), Some(GAP), 4.0, MEMORY[1]);
             if k >= 200 {
                 error += place.place.powi(2) / f64::from(count);
                 rate_error += place.rate.powi(2) / f64::from(count);
@@ -376,7 +375,7 @@ mod tests {
         for k in 1..60 {
             let u = (f64::from(k) * GAP / 0.4).min(1.0);
             let truth = 0.2 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
-            let sample = truth + 1e-3 * white();
+            let sample = truth + 1e-3 * random.normal();
             place.take(sample, Some(GAP), 4.0, MEMORY[1]);
             short.scatter = Scatter::new(0.0);
             short.take(sample, Some(GAP), 4.0, MEMORY[1]);

@@ -137,7 +137,7 @@ mod tests {
                 let mut there = chain.ease();
                 for (angle, freedom) in there.iter_mut().zip(&chain.freedoms) {
                     let [low, high] = freedom.range;
-                    *angle = low + (high - low) * 0.5 * (1.0 + random.symmetric());
+                    *angle = random.range(low, high);
                 }
                 let reached = chain.reach(&there);
                 let goal = Goal { centre: reached.centre, normal: reached.normal };
@@ -161,10 +161,10 @@ mod tests {
                 let mut there = chain.ease();
                 for (angle, freedom) in there.iter_mut().zip(&chain.freedoms) {
                     let [low, high] = freedom.range;
-                    *angle = low + (high - low) * 0.5 * (1.0 + random.symmetric());
+                    *angle = random.range(low, high);
                 }
                 let centre = chain.reach(&there).centre;
-                let way = Vec3::from_fn(|_, _| random.symmetric());
+                let way = random.vector(1.0);
                 let Some(normal) = way.try_normalize(0.1) else { continue };
                 let goal = Goal { centre, normal };
                 let mut angles = chain.ease();

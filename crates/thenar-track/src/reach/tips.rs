@@ -130,7 +130,7 @@ mod tests {
         for flip in [false, true] {
             let hand = fixture::hand(flip);
             let tips = Fingertips::new(&hand).unwrap();
-            let turn = Vec3::from_fn(|_, _| random.symmetric());
+            let turn = random.vector(1.0);
             let wrist =
                 Pose::new(Vec3::new(0.4, 1.1, -0.2), thenar_core::Quat::from_scaled_axis(turn));
             let palm = wrist * tips.articulation.pose_BT.inverse();

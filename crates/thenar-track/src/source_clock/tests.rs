@@ -118,12 +118,11 @@ fn no_number_breaks_it() {
 /// (exponential, 4 ms on the mean), one in twenty is lost, and at 200 s all are for two seconds.
 fn sent(seed: u64) -> Vec<(u64, u64)> {
     let mut random = thenar_core::random::Random::new(seed);
-    let mut even = || 0.5 * (random.symmetric() + 1.0);
     let mut samples = Vec::new();
     for k in 0..54_000u64 {
         let measured = 10_000 * MS + k * 1_000_000_000 / 90;
-        let way = 3e6 - 4e6 * (1.0 - even()).max(1e-9).ln();
-        let lost = even() < 0.05 || (18_000..18_180).contains(&k);
+        let way = 3e6 - 4e6 * (1.0 - random.unit()).max(1e-9).ln();
+        let lost = random.unit() < 0.05 || (18_000..18_180).contains(&k);
         samples.extend((!lost).then_some((measured, measured + way as u64)));
     }
     samples.sort_by_key(|(_, arrived)| *arrived);

@@ -1,11 +1,9 @@
 //! A comparison over time as a page of charts.
 
+use super::{DEG, MM};
 use crate::chart::{Axis, Dash, Line, Panel, Reduced, page};
 use thenar_scene::compare::{CompareMode, Comparison, MONOLITHIC, SIDES, TWO_STEP};
 use thenar_scene::session::PARTS;
-
-const MM: f64 = 1e3;
-const DEG: f64 = 180.0 / std::f64::consts::PI;
 
 /// Names of a panel and its lines, with colours.
 struct Plan {

@@ -16,6 +16,11 @@ use thenar_output::Output;
 use thenar_scene::compare::{CompareError, CompareMode, Comparison, SIDES, Scheme};
 use thenar_scene::session::{TableFormat, TableWriter};
 
+/// Millimetres in a metre.
+const MM: f64 = 1e3;
+/// Degrees in a radian.
+const DEG: f64 = 180.0 / std::f64::consts::PI;
+
 /// Setting by which a scene's silence means the paper's hand.
 const TWO_STEP: &str = "solver.kind=two-step";
 

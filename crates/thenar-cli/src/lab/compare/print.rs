@@ -1,13 +1,10 @@
 //! A comparison for a person.
 
-use super::names;
+use super::{DEG, MM, names};
 use crate::run::{STAGES, StopWatch};
 use thenar_core::histogram::Histogram;
 use thenar_scene::compare::{CompareMode, Comparison, MONOLITHIC, Object, Peak, SIDES, TWO_STEP};
 use thenar_scene::session::PARTS;
-
-const MM: f64 = 1e3;
-const DEG: f64 = 180.0 / std::f64::consts::PI;
 
 /// Says that a side has diverged.
 pub fn divergence(of: &Comparison, side: usize) {

@@ -47,11 +47,6 @@ fn find(bench: &Bench, data: &PressData, names: &[&str]) -> Fit {
     fit(bench, data, &all, 3.0, |_, _, _| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Nearly normal noise of this deviation: twelve even variables of variance 1/3.
-fn noise(random: &mut Random, deviation: f64) -> f64 {
-    (0..12).map(|_| random.symmetric()).sum::<f64>() * 0.5 * deviation
-}
-
 /// Data that the press itself gives with these changes, and noise.
 fn measured(
     bench: &Bench,
@@ -66,7 +61,7 @@ fn measured(
         panic!("no press")
     };
     let mut random = Random::new(seed);
-    data.force = exact.iter().map(|f| f + noise(&mut random, deviation)).collect();
+    data.force = exact.iter().map(|f| f + random.normal() * deviation).collect();
     data
 }
 

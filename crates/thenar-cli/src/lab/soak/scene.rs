@@ -109,7 +109,7 @@ motion = {{ kind = "keyframes", limits = "clamp", key = [
             key = self::key(&mut elsewhere, lowest);
         }
         let _ = writeln!(text, "{{ time = {t:.3}, {key} }},");
-        t += between(&mut random, 0.25, 0.9);
+        t += random.range(0.25, 0.9);
         lowest = 0.02;
     }
     text.push_str("] }\n");
@@ -121,11 +121,11 @@ fn key(random: &mut Random, lowest: f64) -> String {
     let position: Vec<String> = [-0.15, lowest, -0.15]
         .iter()
         .zip([0.15, 0.25, 0.15])
-        .map(|(low, high)| format!("{:.4}", between(random, *low, high)))
+        .map(|(low, high)| format!("{:.4}", random.range(*low, high)))
         .collect();
     let curl: Vec<String> = ["thumb", "index", "middle", "ring", "little"]
         .iter()
-        .map(|finger| format!("{finger} = {:.3}", between(random, 0.0, 1.0)))
+        .map(|finger| format!("{finger} = {:.3}", random.range(0.0, 1.0)))
         .collect();
     let fingers: Vec<String> = (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
     let back: Vec<String> = (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
@@ -149,10 +149,6 @@ pub fn name_of(body: BodyId) -> &'static str {
         BodyId::Rigid(6) => "the car",
         BodyId::Rigid(_) => "a bone",
     }
-}
-
-fn between(random: &mut Random, low: f64, high: f64) -> f64 {
-    low + (high - low) * 0.5 * (random.symmetric() + 1.0)
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::testing::Random;
+use crate::random::Random;
 
 /// Upper edge of a wall along x at height 0, and lower edge of one along z at this height above it.
 fn crossing(height: f64) -> (Edge, Edge) {
@@ -69,9 +69,9 @@ fn an_edge_arrives_where_a_walk_finds_it() {
     let (mut met, mut missed) = (0, 0);
     for case in 0..2000 {
         let (above, below) = crossing(random.range(0.05, 0.5));
-        let above = turned(&above, above.ends[0], random.vec3(0.3));
+        let above = turned(&above, above.ends[0], random.vector(0.3));
         let fall = Vec3::y() * -random.range(0.0, 0.8);
-        let ways = [fall + random.vec3(0.3), fall + random.vec3(0.3)];
+        let ways = [fall + random.vector(0.3), fall + random.vector(0.3)];
         let height = |s: f64| {
             let ends = [0, 1].map(|k| above.ends[k] + s * ways[k]);
             let there = Edge { ends, ..above };

@@ -2,7 +2,8 @@ use super::*;
 use crate::flesh::PAIRS;
 use crate::flesh::element::tests::{REST, rest_of};
 use crate::model::Law;
-use crate::testing::{Random, assert_close, jacobian};
+use crate::random::Random;
+use crate::testing::{assert_close, jacobian};
 
 /// 130 kPa of 1.5 mm.
 const SKIN: Sheet = Sheet {
@@ -59,7 +60,7 @@ fn whole(response: &Response) -> Vec<Vec<f64>> {
 /// The corners moved by up to `reach` \[m\] and turned.
 fn moved(random: &mut Random, reach: f64) -> [Vec3; 4] {
     let turn = random.rotation(3.1);
-    REST.map(|x| turn * x + random.vec3(reach))
+    REST.map(|x| turn * x + random.vector(reach))
 }
 
 #[test]
@@ -68,7 +69,7 @@ fn forces_are_minus_the_gradient_of_the_energy() {
     for sheet in SHEETS {
         let mut wrinkled = 0;
         for _ in 0..100 {
-            let piece = piece(&sheet, random.vec3(1.0));
+            let piece = piece(&sheet, random.vector(1.0));
             let x = moved(&mut random, 0.003);
             let here = respond(&piece, &x);
             let numeric = jacobian(|x| vec![-respond(&piece, &nodes(x)).energy], &flat(&x), 1e-8);
@@ -88,7 +89,7 @@ fn the_stiffness_is_exact_in_tension_and_never_negative() {
     for sheet in SHEETS {
         let mut taut = 0;
         for _ in 0..200 {
-            let piece = piece(&sheet, random.vec3(1.0));
+            let piece = piece(&sheet, random.vector(1.0));
             let x = moved(&mut random, 0.003).map(|x| x * 1.1);
             let response = respond(&piece, &x);
             let analytic = whole(&response);
@@ -113,14 +114,14 @@ fn no_net_force_no_net_torque_and_rotation_invariance() {
     let mut random = Random::new(13);
     for sheet in SHEETS {
         for _ in 0..200 {
-            let piece = piece(&sheet, random.vec3(1.0));
+            let piece = piece(&sheet, random.vector(1.0));
             let x = moved(&mut random, 0.006);
             let f = respond(&piece, &x).forces;
             let scale: f64 = f.iter().map(|f| f.norm()).sum();
             let net: Vec3 = f.iter().sum();
             let torque: Vec3 = x.iter().zip(&f).map(|(x, f)| x.cross(f)).sum();
             assert!(net.norm() <= 1e-12 * scale && torque.norm() <= 1e-12 * scale * 0.02);
-            let (turn, shift) = (random.rotation(3.1), random.vec3(0.1));
+            let (turn, shift) = (random.rotation(3.1), random.vector(0.1));
             let turned = respond(&piece, &x.map(|x| turn * x + shift)).forces;
             for (f, t) in f.iter().zip(&turned) {
                 assert!((turn * f - t).norm() <= 1e-9 * scale);
@@ -226,9 +227,9 @@ fn surprise_is_what_the_expansion_leaves_out() {
     for sheet in SHEETS {
         let mut seen = 0;
         for _ in 0..100 {
-            let piece = piece(&sheet, random.vec3(1.0));
+            let piece = piece(&sheet, random.vector(1.0));
             let x0 = moved(&mut random, 0.002);
-            let x1 = x0.map(|x| x + random.vec3(0.002));
+            let x1 = x0.map(|x| x + random.vector(0.002));
             let here = respond(&piece, &x0);
             let d: Vec<f64> = flat(&std::array::from_fn(|a| x1[a] - x0[a]));
             let slope: f64 = flat(&here.forces).iter().zip(&d).map(|(f, d)| -f * d).sum();

@@ -1,6 +1,7 @@
 use super::*;
 use crate::model::{Law, Material, patches};
-use crate::testing::{Random, assert_close, jacobian};
+use crate::random::Random;
+use crate::testing::{assert_close, jacobian};
 use fearless_simd::{Level, dispatch};
 use nalgebra::DMatrix;
 
@@ -18,7 +19,7 @@ fn octahedron() -> Vec<Vec3> {
         [0.0, 0.5, 0.5],
         [0.0, -0.5, 0.5],
     ];
-    at.iter().map(|x| Vec3::from(*x) * 0.01 + random.vec3(1e-4)).collect()
+    at.iter().map(|x| Vec3::from(*x) * 0.01 + random.vector(1e-4)).collect()
 }
 
 const TETS: [[u32; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 4], [0, 1, 4, 5], [0, 1, 5, 2]];
@@ -72,7 +73,7 @@ fn forces_are_minus_the_gradient_of_the_energy() {
         let (patches, A) = model(&rest, law, 0.0);
         for _ in 0..50 {
             let turn = random.rotation(3.1);
-            let x: Vec<Vec3> = rest.iter().map(|x| turn * x + random.vec3(0.002)).collect();
+            let x: Vec<Vec3> = rest.iter().map(|x| turn * x + random.vector(0.002)).collect();
             let numeric = jacobian(|x| vec![-energy(&patches, &nodes(x))], &flat(&x), 1e-8);
             assert_close(&[flat(&assembled(&patches, &A, &x).0)], &numeric, 1e-6);
         }
@@ -101,7 +102,7 @@ fn crushed_and_inverted_stiffness_is_positive_semi_definite() {
     for law in LAWS {
         let (patches, A) = model(&rest, law, 0.0);
         for _ in 0..200 {
-            let x: Vec<Vec3> = rest.iter().map(|x| x * 0.3 + random.vec3(0.008)).collect();
+            let x: Vec<Vec3> = rest.iter().map(|x| x * 0.3 + random.vector(0.008)).collect();
             let (_, K) = assembled(&patches, &A, &x);
             assert!((&K - K.transpose()).amax() < 1e-9 * K.amax());
             let values = K.symmetric_eigenvalues();
@@ -116,7 +117,7 @@ fn no_net_force_no_net_torque_and_rotation_invariance() {
     for law in LAWS {
         let (patches, A) = model(&rest, law, 0.0);
         for _ in 0..100 {
-            let x: Vec<Vec3> = rest.iter().map(|x| x + random.vec3(0.004)).collect();
+            let x: Vec<Vec3> = rest.iter().map(|x| x + random.vector(0.004)).collect();
             let (f, _) = assembled(&patches, &A, &x);
             let scale: f64 = f.iter().map(|f| f.norm()).sum();
             let torque: Vec3 = x.iter().zip(&f).map(|(x, f)| x.cross(f)).sum();
@@ -159,7 +160,7 @@ fn an_even_deformation_costs_what_it_costs_the_tetrahedra() {
 fn eights_sum_to_the_same_as_single_patches() {
     let mut random = Random::new(41);
     let rest: Vec<Vec3> =
-        (0..11).flat_map(|_| octahedron()).map(|x| x + random.vec3(5e-4)).collect();
+        (0..11).flat_map(|_| octahedron()).map(|x| x + random.vector(5e-4)).collect();
     let mut eights = Patches::default();
     for k in 0..11_u32 {
         let law = Law::Corotational;
@@ -180,7 +181,7 @@ fn eights_sum_to_the_same_as_single_patches() {
     assert_eq!((eights.lanes.len(), eights.single.len()), (2, 0));
 
     for spoil in [1e-3, 4e-3, 9e-3] {
-        let x: Vec<Vec3> = rest.iter().map(|x| x + random.vec3(spoil)).collect();
+        let x: Vec<Vec3> = rest.iter().map(|x| x + random.vector(spoil)).collect();
         let results = [&eights, &singles].map(|patches| {
             let (mut A, mut b, mut sums) = (A0.clone(), vec![Vec3::zeros(); 66], Tally::default());
             dispatch!(Level::new(), simd => {

@@ -58,7 +58,7 @@ fn insert(nearest: &mut [(u32, f64)], new: (u32, f64)) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::random::Random;
 
     fn weights(place: &Vec3, taxels: &[(u32, Vec3)]) -> Vec<f64> {
         let mut out = [(0, 0.0); SHARED];
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn shares_sum_to_one_wherever_taxels_are() {
-        let mut noise = Noise(11);
+        let mut noise = Random::new(11);
         for count in 1..40_u32 {
             let taxels: Vec<_> = (0..count).map(|k| (k, noise.vector(1.0))).collect();
             for _ in 0..50 {
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn shares_are_continuous_where_neighbours_change() {
-        let mut noise = Noise(5);
+        let mut noise = Random::new(5);
         let taxels: Vec<_> = (0..30).map(|k| (k, noise.vector(1.0))).collect();
         let step = Vec3::new(1e-7, 0.5e-7, -1e-7);
         let mut place = noise.vector(1.0);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::math::Quat;
 use crate::model::Axis;
-use crate::noise::Noise;
+use crate::random::Random;
 use std::f64::consts::FRAC_PI_2;
 
 fn joint(kind: JointKind, parent: u32, child: u32, pose_PJ: Pose, pose_CK: Pose) -> JointDesc {
@@ -23,7 +23,7 @@ fn joint(kind: JointKind, parent: u32, child: u32, pose_PJ: Pose, pose_CK: Pose)
 /// A branched tree with every kind of joint, in frames at random.
 fn tangle() -> Vec<JointDesc> {
     use JointKind::*;
-    let mut noise = Noise(7);
+    let mut noise = Random::new(7);
     let shape = [(Universal, 0), (Hinge, 1), (Ball, 0), (Universal, 3), (Fixed, 2), (Free, 4)];
     let mut joints: Vec<_> = (1..)
         .zip(shape)
@@ -33,11 +33,11 @@ fn tangle() -> Vec<JointDesc> {
     joints
 }
 
-fn random_angles(tree: &Tree, noise: &mut Noise, size: f64) -> Vec<[f64; 2]> {
+fn random_angles(tree: &Tree, noise: &mut Random, size: f64) -> Vec<[f64; 2]> {
     (0..tree.joints())
         .map(|j| {
             let mut q = [0.0; 2];
-            q.iter_mut().take(tree.kind(j).angles()).for_each(|q| *q = size * noise.next());
+            q.iter_mut().take(tree.kind(j).angles()).for_each(|q| *q = size * noise.symmetric());
             q
         })
         .collect()
@@ -72,7 +72,7 @@ fn a_bent_finger_is_where_trigonometry_puts_it() {
 #[test]
 fn velocities_are_the_derivative_of_poses() {
     let tree = Tree::new(7, &tangle()).unwrap();
-    let mut noise = Noise(11);
+    let mut noise = Random::new(11);
     let h = 1e-5;
     for _ in 0..50 {
         let root = noise.pose(1.0);
@@ -104,7 +104,7 @@ fn velocities_are_the_derivative_of_poses() {
 #[test]
 fn angles_of_forward_poses_are_the_angles() {
     let tree = Tree::new(7, &tangle()).unwrap();
-    let mut noise = Noise(13);
+    let mut noise = Random::new(13);
     for _ in 0..200 {
         let angles = random_angles(&tree, &mut noise, 1.5);
         let mut poses = vec![Pose::identity(); tree.bones()];
@@ -120,7 +120,7 @@ fn angles_of_forward_poses_are_the_angles() {
 #[test]
 fn projection_keeps_what_is_admissible_and_joins_what_is_not() {
     let tree = Tree::new(7, &tangle()).unwrap();
-    let mut noise = Noise(17);
+    let mut noise = Random::new(17);
     let (mut angles, mut out) = (vec![[0.0; 2]; 6], vec![Pose::identity(); 7]);
     for _ in 0..200 {
         // Admissible poses, with the ball and the free joint moved as well, come back unchanged.

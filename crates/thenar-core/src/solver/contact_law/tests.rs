@@ -1,5 +1,5 @@
 use super::*;
-use crate::testing::Random;
+use crate::random::Random;
 
 /// Iterates one point to its fixed point and checks the law there.
 #[test]
@@ -8,7 +8,7 @@ fn the_fixed_point_obeys_coulomb() {
     for _ in 0..200 {
         let a = Mat3::from_fn(|_, _| random.range(-1.0, 1.0));
         let W = a * a.transpose() + Mat3::identity() * 0.5;
-        let free = random.vec3(1.0);
+        let free = random.vector(1.0);
         let mu = random.range(0.1, 1.2);
         let mut lambda = Vec3::zeros();
         for _ in 0..20_000 {
@@ -42,7 +42,7 @@ fn the_linearised_cone_lies_within_the_circular_one() {
 
 fn responses(random: &mut Random) -> (Mat3, Vec3, f64) {
     let a = Mat3::from_fn(|_, _| random.range(-1.0, 1.0));
-    (a * a.transpose() + Mat3::identity() * 0.3, random.vec3(1.0), random.range(0.05, 1.0))
+    (a * a.transpose() + Mat3::identity() * 0.3, random.vector(1.0), random.range(0.05, 1.0))
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn lever(random: &mut Random) -> Mat3 {
     let turn = *random.rotation(3.1).to_rotation_matrix().matrix();
     let gyration = Vec3::new(random.range(0.05, 1.0), random.range(0.05, 1.0), 1.0);
     let inertia = gyration.map(|k| 1.0 / (k * k));
-    let arm = random.vec3(1.5).cross_matrix();
+    let arm = random.vector(1.5).cross_matrix();
     Mat3::identity()
         + arm.transpose() * turn * Mat3::from_diagonal(&inertia) * turn.transpose() * arm
 }
@@ -148,7 +148,7 @@ fn one_visit_obeys_the_law_on_any_lever() {
     let (mut stuck, mut slid) = (0, 0);
     for k in 0..20_000 {
         let (mut W, mu) = (lever(&mut random), random.range(0.05, 1.5));
-        let (mut b, start) = (random.vec3(1.0), random.vec3(1.0));
+        let (mut b, start) = (random.vector(1.0), random.vector(1.0));
         b.x = -b.x.abs();
         // Every third in a plane: friction points along the second tangent exactly.
         if k % 3 == 0 {
@@ -183,7 +183,7 @@ fn round_off_makes_no_response_definite() {
     let mut random = Random::new(29);
     let mut definite = 0;
     for _ in 0..5000 {
-        let [a, c] = [random.vec3(1.0), random.vec3(1.0)];
+        let [a, c] = [random.vector(1.0), random.vector(1.0)];
         let rounded = |W: Mat3| W.map(|w| f64::from(w as f32));
         let one = rounded(a * a.transpose());
         let two = rounded(a * a.transpose() + c * c.transpose());
@@ -206,9 +206,9 @@ fn what_obeys_the_law_is_left_as_it_is() {
     for case in 0..20_000 {
         let (W, mu) = (lever(&mut random), random.range(0.05, 1.5));
         let response = Response::new(&W);
-        let mut b = random.vec3(1.0);
+        let mut b = random.vector(1.0);
         b.x = -b.x.abs();
-        let start = random.vec3(1.0);
+        let start = random.vector(1.0);
         let (Some(sticks), Some(slides)) =
             (response.sticking(mu, &b), response.sliding(mu, &b, &start))
         else {
@@ -232,10 +232,10 @@ fn only_long_levers_have_several_impulses() {
     for case in 0..20_000 {
         let (W, mu) = (lever(&mut random), random.range(0.05, 1.5));
         let response = Response::new(&W);
-        let mut b = random.vec3(1.0);
+        let mut b = random.vector(1.0);
         b.x = -b.x.abs();
         let mut from = || {
-            let mut start = random.vec3(10.0);
+            let mut start = random.vector(10.0);
             start.x = start.x.abs();
             response.impulse(Cone::Circular, mu, &b, &start)
         };
@@ -270,7 +270,7 @@ fn what_obeys_the_law_does_not_stray() {
         assert!(row.strays(&d) < 1e-8, "{row:?} strays at {d}");
         pressing += usize::from(row.lambda.x > 0.0);
         sliding += usize::from(row.lambda.x > 0.0 && d.yz().norm() > 1e-3);
-        let e = random.vec3(1e-3);
+        let e = random.vector(1e-3);
         let off = row.strays(&(d + e));
         assert!(off <= 2.0 * e.norm(), "{off} for {e}");
         let visited = row.resolved(Cone::Circular, &response, &(d + e));

@@ -193,10 +193,10 @@ impl Factor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::solver::BlockMatrix;
     use crate::solver::monolithic::Reduction;
     use crate::solver::monolithic::half_solves::{HalfSolves, add_common_product};
-    use crate::testing::Random;
 
     /// Blocks of nodes on a lattice, two of them side by side without touching: the solution must
     /// be the one the right-hand side was made from.
@@ -224,7 +224,7 @@ mod tests {
             for &(a, b) in &pairs {
                 // Blocks between two nodes that are not symmetric: read transposed they would be
                 // others.
-                let ends = [(a, random.vec3(1.0)), (b, -random.vec3(1.0))];
+                let ends = [(a, random.vector(1.0)), (b, -random.vector(1.0))];
                 for ((i, u), (j, v)) in ends.iter().flat_map(|e| ends.iter().map(move |f| (e, f))) {
                     A.add(A.entry(*i as u32, *j as u32), &(u * v.transpose()));
                 }
@@ -244,7 +244,7 @@ mod tests {
             };
             let mut factor = Factor::new(Symbolic::new(&A, 0, &positions, true));
             assert!(factor.refresh(&system));
-            let want: Vec<Vec3> = (0..n).map(|_| random.vec3(1.0)).collect();
+            let want: Vec<Vec3> = (0..n).map(|_| random.vector(1.0)).collect();
             let mut x: Vec<Vec3> =
                 (0..n).map(|i| A.row_times(i, &want) + want[i] * springs[i]).collect();
             let rhs = x.clone();

@@ -113,7 +113,7 @@ impl Quotient {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
 
     /// A chain is eliminated from its ends, a star from its rays: neither fills in.
     #[test]

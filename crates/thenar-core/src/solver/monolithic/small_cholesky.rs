@@ -58,7 +58,7 @@ pub fn backward(l: &[f64], n: usize, x: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
 
     #[test]
     fn solves_what_it_factored() {

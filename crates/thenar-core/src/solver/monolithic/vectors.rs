@@ -95,15 +95,15 @@ pub fn longest2(v: &[Vec3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
     use fearless_simd::{Level, dispatch};
 
     #[test]
     fn agree_with_one_number_at_a_time() {
         let mut random = Random::new(31);
         for n in [0, 1, 5, 13, 40, 301] {
-            let a: Vec<Vec3> = (0..n).map(|_| random.vec3(1.0)).collect();
-            let b: Vec<Vec3> = (0..n).map(|_| random.vec3(1.0)).collect();
+            let a: Vec<Vec3> = (0..n).map(|_| random.vector(1.0)).collect();
+            let b: Vec<Vec3> = (0..n).map(|_| random.vector(1.0)).collect();
             let (mut more, mut new) = (a.clone(), a.clone());
             let product = dispatch!(Level::new(), simd => {
                 add(simd, flat_mut(&mut more), 0.3, flat(&b));

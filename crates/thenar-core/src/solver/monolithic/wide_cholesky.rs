@@ -40,7 +40,7 @@ pub fn solve<S: Simd>(simd: S, l: &[f64], n: usize, x: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
     use fearless_simd::{Level, dispatch};
 
     /// Sizes that fill no whole register and several.

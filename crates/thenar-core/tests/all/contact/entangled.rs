@@ -4,8 +4,9 @@
 //! tetrahedra, and the energy that they may have is that of a body pushed at the speed of pushing
 //! out.
 
-use crate::common::{self, FLESH, bar, body};
+use crate::common::{FLESH, bar, body};
 use thenar_core::model::{Flesh, Material, Motion, SoftDesc, WorldDesc};
+use thenar_core::random::Random;
 use thenar_core::shape::Shape;
 use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_testing::one_in;
@@ -241,12 +242,11 @@ fn least_translation(halves: [Vec3; 2], apart: Vec3, turn: &Quat) -> f64 {
 #[test]
 fn corners_are_not_told_many_times_as_deep() {
     let sizes = [Vec3::new(0.1, 0.03, 0.03), Vec3::new(0.024, 0.02, 0.02)];
-    let mut seed = 5;
+    let mut random = Random::new(5);
     let (mut cases, mut worst) = (0, 0.0_f64);
     while cases < 400 {
-        let mut any = || common::random(&mut seed);
-        let turn = Quat::from_scaled_axis(Vec3::new(any(), any(), any()) * 3.0);
-        let apart = Vec3::new(0.07 * any(), 0.03 * any(), 0.03 * any());
+        let turn = Quat::from_scaled_axis(random.vector(3.0));
+        let apart = random.vector(1.0).component_mul(&Vec3::new(0.07, 0.03, 0.03));
         let exact = least_translation(sizes.map(|s| 0.5 * s), apart, &turn);
         if !(0.5e-3..4e-3).contains(&exact) {
             continue;

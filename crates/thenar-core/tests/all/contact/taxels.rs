@@ -3,8 +3,9 @@
 //! grid and alone, against sums over the contact points worked out here, statics, and a body that
 //! is turned.
 
-use crate::common::{FLESH, bar, body, finger, random};
+use crate::common::{FLESH, bar, body, finger};
 use thenar_core::model::{BodyId, BodyParts, Drive, Flesh, Motion, SoftDesc, WorldDesc};
+use thenar_core::random::Random;
 use thenar_core::readout::{TaxelError, TaxelPlace, TaxelReadout, TaxelSkin};
 use thenar_core::shape::Shape;
 use thenar_core::world::Target;
@@ -107,10 +108,10 @@ fn forces_sum_to_the_contact_force_whatever_the_layout() {
     let resultant = sums(&world, &[], 0, &[]);
     assert!((resultant.0 - Vec3::new(-0.1, 0.5, 0.0)).norm() < 1e-3 && resultant.1 > 0.5);
     let flesh = &world.desc().softs[0].flesh;
-    let mut seed = 3;
+    let mut random = Random::new(3);
     for count in [1, 2, 3, 4, 5, 6, 17, 100] {
-        let mut somewhere = || Vec3::from_fn(|_, _| 0.03 * random(&mut seed));
-        let mut places: Vec<_> = (0..count).map(|_| place(flesh, &[], 0, somewhere())).collect();
+        let mut places: Vec<_> =
+            (0..count).map(|_| place(flesh, &[], 0, random.vector(0.03))).collect();
         // Some at one place.
         places.extend_from_within(..count / 2);
         let mut taxels = TaxelReadout::new(&world, 0, &places, f64::INFINITY).unwrap();

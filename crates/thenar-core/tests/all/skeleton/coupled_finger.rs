@@ -2,8 +2,9 @@
 //! the dense one only as the paper's approximation does (validation D4, D5).
 //! Method: a two-bone finger of flesh, stepped by both solvers from the same state.
 
-use crate::common::{finger, random};
+use crate::common::finger;
 use thenar_core::model::{Drive, FleshInStep1, SolverKind, WorldDesc};
+use thenar_core::random::Random;
 use thenar_core::world::{Input, Target};
 use thenar_core::{Pose, Quat, Vec3, World};
 use thenar_testing::one_in;
@@ -62,12 +63,11 @@ fn coupling_has_no_net_force_or_torque() {
     let mut desc = finger(1e8, 1e-3);
     desc.gravity = Vec3::zeros();
     let mut world = World::new(desc).unwrap();
-    let mut seed = 5;
+    let mut random = Random::new(5);
     for b in 0..2 {
-        let mut vec = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
         let pose = world.rigid_pose(b);
-        let turn = Quat::from_scaled_axis(vec() * 0.8);
-        let moved = Pose::new(pose.position + vec() * 0.01, turn * pose.rotation);
+        let turn = Quat::from_scaled_axis(random.vector(0.8));
+        let moved = Pose::new(pose.position + random.vector(0.01), turn * pose.rotation);
         world.set_rigid_state(b, moved, [Vec3::zeros(); 2]);
     }
     // Node forces as seen by the bones (Newton's third law, Eq. 7 against Eq. 8).

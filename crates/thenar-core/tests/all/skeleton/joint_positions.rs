@@ -2,9 +2,10 @@
 //! no energy. Method: chains, loops and a soft finger thrown about at 60 Hz, against conservation
 //! laws and geometry.
 
-use crate::common::{body, finger, random};
+use crate::common::{body, finger};
 use std::f64::consts::FRAC_PI_2;
 use thenar_core::model::{Axis, JointDesc, JointKind, Motion, SoftDesc, Springs, WorldDesc};
+use thenar_core::random::Random;
 use thenar_core::{Pose, Quat, Vec3, World};
 
 const FRAME: f64 = 1.0 / 60.0;
@@ -58,10 +59,10 @@ fn chain(links: u32) -> WorldDesc {
 fn a_chain_thrown_about_stays_closed_and_keeps_its_momentum() {
     let mut world = World::new(chain(7)).unwrap();
     let mut input = world.input();
-    let ([p0, l0], mut seed, mut turned) = (world.momentum(), 5, 0.0_f64);
+    let ([p0, l0], mut random, mut turned) = (world.momentum(), Random::new(5), 0.0_f64);
     for step in 0..1000 {
         if step % 5 == 0 {
-            input.joint_torques.iter_mut().flatten().for_each(|t| *t = 1e-3 * random(&mut seed));
+            input.joint_torques.iter_mut().flatten().for_each(|t| *t = 1e-3 * random.symmetric());
         }
         let report = world.step(&input, &mut ());
         assert!(!report.fell_back && !report.non_finite, "{report:?}");

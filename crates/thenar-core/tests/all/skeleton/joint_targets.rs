@@ -1,8 +1,9 @@
 //! Goal: a joint goes where its target says, as its spring and damper allow, whatever the solver
 //! and the step. Method: statics and steady motion of one rod; momentum of a free pair.
 
-use crate::common::{body, random};
+use crate::common::body;
 use thenar_core::model::{Axis, JointDesc, JointKind, SolverKind, WorldDesc};
+use thenar_core::random::Random;
 use thenar_core::world::JointTarget;
 use thenar_core::{Pose, Quat, Vec3, World};
 
@@ -124,15 +125,14 @@ fn a_driven_joint_is_internal() {
         });
         let mut world = World::new(desc).unwrap();
         let mut input = world.input();
-        let mut seed = 7;
+        let mut random = Random::new(7);
         let mut turned: f64 = 0.0;
         for _ in 0..500 {
-            let mut number = || random(&mut seed);
             let target = JointTarget {
-                angles: [number(), number()],
-                rates: [number(), number()],
-                rotation_JK: Quat::from_scaled_axis(Vec3::new(number(), number(), number())),
-                spin_J: Vec3::new(number(), number(), number()),
+                angles: [0; 2].map(|_| random.symmetric()),
+                rates: [0; 2].map(|_| random.symmetric()),
+                rotation_JK: Quat::from_scaled_axis(random.vector(1.0)),
+                spin_J: random.vector(1.0),
                 ..JointTarget::default()
             };
             input.joint_targets[0] = Some(target);

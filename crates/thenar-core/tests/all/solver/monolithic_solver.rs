@@ -2,11 +2,12 @@
 //! asked for. Method: several rigs, stirred, then stepped once from the same state by it and by the
 //! dense reference.
 
-use crate::common::{FLESH, bar, body, finger, random};
+use crate::common::{FLESH, bar, body, finger};
 use thenar_core::model::{
     Axis, Binding, Coupling, Drive, FixedNode, JointDesc, JointKind, Motion, PoseOffsets, Skinning,
     SoftDesc, SolverKind, Springs, WorldDesc,
 };
+use thenar_core::random::Random;
 use thenar_core::world::{Input, Target};
 use thenar_core::{Pose, Quat, Vec3, World};
 
@@ -116,8 +117,7 @@ fn rigs(kappa: f64, h: f64) -> Vec<(&'static str, WorldDesc)> {
 /// Targets between two bones are shifted by up to 2 mm where their joint is turned by half a
 /// radian, one way or another.
 fn shifted(mut desc: WorldDesc, skinning: Skinning) -> WorldDesc {
-    let mut seed = 3;
-    let mut vec = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
+    let mut random = Random::new(3);
     for (j, joint) in (0..).zip(&desc.joints) {
         for (s, soft) in (0..).zip(&desc.softs) {
             let both = |binding: &Binding| {
@@ -133,7 +133,7 @@ fn shifted(mut desc: WorldDesc, skinning: Skinning) -> WorldDesc {
                 soft: s,
                 joint: j,
                 poses: poses.map(|axis| Quat::from_scaled_axis(axis * 0.5)).to_vec(),
-                offsets: (0..2 * nodes.len()).map(|_| vec() * 0.002).collect(),
+                offsets: (0..2 * nodes.len()).map(|_| random.vector(0.002)).collect(),
                 nodes,
             });
         }
@@ -152,19 +152,18 @@ fn stirred(mut desc: WorldDesc) -> (World, Input) {
     let poses: Vec<Pose> = desc.rigids.iter().map(|r| r.pose_WB).collect();
     let mut world = World::new(desc).unwrap();
     let mut input = world.input();
-    let mut seed = 9;
-    let mut vec = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
+    let mut random = Random::new(9);
     for (b, pose) in poses.iter().enumerate() {
-        let turn = Quat::from_scaled_axis(vec() * 0.3);
+        let turn = Quat::from_scaled_axis(random.vector(0.3));
         input.targets[b] = Some(Target {
-            pose_WB: Pose::new(pose.position + vec() * 0.004, turn * pose.rotation),
+            pose_WB: Pose::new(pose.position + random.vector(0.004), turn * pose.rotation),
             velocity_W: Vec3::zeros(),
             angular_velocity_W: Vec3::zeros(),
         });
-        input.prescribed[b] = [vec() * 0.05, vec()];
+        input.prescribed[b] = [random.vector(0.05), random.vector(1.0)];
     }
-    input.node_forces.iter_mut().for_each(|f| *f = vec() * 0.003);
-    input.joint_torques.iter_mut().for_each(|t| *t = [vec().x * 0.003, vec().x * 0.003]);
+    input.node_forces.iter_mut().for_each(|f| *f = random.vector(0.003));
+    input.joint_torques.iter_mut().for_each(|t| *t = [0; 2].map(|_| 0.003 * random.symmetric()));
     for _ in 0..3 {
         assert!(!world.step(&input, &mut ()).non_finite);
     }

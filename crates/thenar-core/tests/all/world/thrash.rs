@@ -2,8 +2,9 @@
 //! cannot make is named, made safely, and forgotten by the next. Method: a driven finger thrashed
 //! at random between a plate, a loose box and a soft block; then the same with failures forced.
 
-use crate::common::{FLESH, bar, body, finger, random};
+use crate::common::{FLESH, bar, body, finger};
 use thenar_core::model::{Drive, Material, Motion, SoftDesc, SolverSettings, WorldDesc};
+use thenar_core::random::Random;
 use thenar_core::shape::Shape;
 use thenar_core::world::{Failure, Input, StepReport, Target};
 use thenar_core::{Pose, Quat, Vec3, World};
@@ -42,15 +43,14 @@ fn scene(kappa: f64, young: f64, h: f64) -> WorldDesc {
 }
 
 /// Throws both bones' targets about: anywhere within reach, turned by up to a radian each way.
-fn thrash(input: &mut Input, home: &[Pose; 2], seed: &mut u64) {
-    let mut vec = || Vec3::new(random(seed), random(seed), random(seed));
+fn thrash(input: &mut Input, home: &[Pose; 2], random: &mut Random) {
     for (target, home) in input.targets.iter_mut().zip(home) {
-        let place = home.position + vec() * REACH;
-        let turn = Quat::from_scaled_axis(vec());
+        let place = home.position + random.vector(REACH);
+        let turn = Quat::from_scaled_axis(random.vector(1.0));
         *target = Some(Target {
             pose_WB: Pose::new(place, turn * home.rotation),
-            velocity_W: vec(),
-            angular_velocity_W: vec() * 10.0,
+            velocity_W: random.vector(1.0),
+            angular_velocity_W: random.vector(10.0),
         });
     }
 }
@@ -103,10 +103,10 @@ fn thrashing_is_borne_at_any_stiffness_and_step() {
     let steps = [2.5e-4, 1e-3, 5e-3, 1.0 / 60.0, 0.02];
     for (kappa, young, h) in one_in(7, bodies.flat_map(|(k, e)| steps.map(|h| (k, e, h)))) {
         let (mut world, mut input, home) = start(scene(kappa, young, h));
-        let (mut seed, mut seen) = (7, Extremes::default());
+        let (mut random, mut seen) = (Random::new(7), Extremes::default());
         for i in 0..60 {
             if i % 8 == 0 {
-                thrash(&mut input, &home, &mut seed);
+                thrash(&mut input, &home, &mut random);
             }
             let report = world.step(&input, &mut ());
             let case = format!("kappa {kappa:.0e}, E {young:.0e}, h {h}, step {i}");
@@ -132,11 +132,11 @@ fn steps_that_fail_one_after_the_other_stay_calm() {
         let (mut world, mut input, home) = start(scene(kappa, 5e4, h));
         let good = world.desc().solver;
         let bad = SolverSettings { velocity_tolerance: 1e-9, cg_iterations_max: 1, ..good };
-        let (mut seed, mut seen) = (3, Extremes::default());
+        let (mut random, mut seen) = (Random::new(3), Extremes::default());
         world.set_solver_settings(bad).unwrap();
         for i in 0..200 {
             if i % 8 == 0 {
-                thrash(&mut input, &home, &mut seed);
+                thrash(&mut input, &home, &mut random);
             }
             let report = world.step(&input, &mut ());
             let case = format!("kappa {kappa:.0e}, h {h}, step {i}: {report:?}");

@@ -1,6 +1,6 @@
 //! Places and turns, in any of the ways in which they may be written.
 
-use super::super::draft::{frame_of, unit};
+use super::super::draft::{SHORT, frame_of, unit};
 use super::super::xml::Attribute;
 use super::classes::Styled;
 use super::settings::Settings;
@@ -8,8 +8,6 @@ use super::{Element, RigError};
 use nalgebra::{Quaternion, UnitVector3};
 use thenar_core::{Pose, Quat, Vec3};
 
-/// Shorter vectors have no direction.
-const SHORT: f64 = 1e-10;
 /// Ways to write a turn besides the quaternion, which gives way to them.
 const TURNS: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
 

@@ -167,7 +167,7 @@ fn evaluate(
             flesh::stress(world.nodes(*soft), elements, *nominal, out);
         }
         Measure::Fingers(hand) => {
-            let loads = hand_loads(world.contacts(), &built.hands[*hand]);
+            let loads = hand_loads(world, &built.hands[*hand]);
             for finger in &loads[1..] {
                 out.extend(finger.figures());
             }

@@ -2,9 +2,10 @@
 //! whatever they say, they are replayed, or refused with a message. The same code runs under
 //! `cargo fuzz`, see `fuzz/`.
 
-use crate::damage::{Random, damaged};
 use crate::recordings::{replays, seeds};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use thenar_core::random::Random;
+use thenar_testing::damaged;
 
 /// Numbers that fields may be replaced by, as bytes.
 const WORDS: [u64; 9] = [
@@ -36,7 +37,7 @@ fn tampered_recordings_are_replayed_or_refused() {
     let folder = std::env::temp_dir().join(format!("thenar-fuzz-rec-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let (seeds, file) = (seeds(&folder), folder.join("tampered.rec"));
-    let mut random = Random(0x5eed_0000_0000_0007);
+    let mut random = Random::new(0x5eed_0000_0000_0007);
     for (i, seed) in seeds.iter().enumerate() {
         assert_eq!(replays(seed, &file).unwrap(), [8, 10][i], "seed {i}");
         let mut stepped = 0;

@@ -30,29 +30,25 @@ const HOSTILE: [&str; 22] = [
     "]]",
 ];
 
-fn pick(random: &mut Random, n: usize) -> usize {
-    ((random.symmetric() + 1.0) / 2.0 * n as f64) as usize
-}
-
 fn damaged(text: &str, random: &mut Random) -> String {
     let mut lines: Vec<String> = text.lines().map(String::from).collect();
-    for _ in 0..=pick(random, 3) {
-        let i = pick(random, lines.len());
-        match pick(random, 6) {
+    for _ in 0..=random.below(3) {
+        let i = random.below(lines.len());
+        match random.below(6) {
             0 => {
                 lines.remove(i);
             }
             1 => {
-                let j = pick(random, lines.len());
+                let j = random.below(lines.len());
                 lines.swap(i, j);
             }
             2 => lines.insert(i, lines[i].clone()),
             3 => {
-                let cut = pick(random, lines[i].chars().count() + 1);
+                let cut = random.below(lines[i].chars().count() + 1);
                 lines[i] = lines[i].chars().take(cut).collect();
             }
             _ => {
-                let value = HOSTILE[pick(random, HOSTILE.len())];
+                let value = HOSTILE[random.below(HOSTILE.len())];
                 if let Some((key, _)) = lines[i].clone().split_once('=') {
                     lines[i] = format!("{key}= {value}");
                 }

@@ -1,10 +1,11 @@
 //! Scenes and motions against damage, from the text to the simulated step: whatever it says, it
 //! runs, or is refused with a message. The same code runs under `cargo fuzz`, see `fuzz/`.
 
-use crate::damage::{Random, damaged};
 use crate::scenes;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use thenar_core::model::{HandModel, Side};
+use thenar_core::random::Random;
+use thenar_testing::damaged;
 
 /// Small scenes with most of what a scene can hold.
 const SCENES: [&str; 4] = [
@@ -77,7 +78,7 @@ fn endures<T, E: ToString>(text: &str, run: impl FnOnce(&str) -> Result<T, E>) -
 
 #[test]
 fn damaged_scenes_endure() {
-    let mut random = Random(0x5eed_0000_0000_0004);
+    let mut random = Random::new(0x5eed_0000_0000_0004);
     for (i, scene) in SCENES.iter().enumerate() {
         assert!(scenes::steps(scene).unwrap(), "scene {i} steps");
         let mut stepped = 0;
@@ -116,7 +117,7 @@ joints = { index-mcp = { flexion_deg = 30, spread_deg = 5 } }
 
 #[test]
 fn damaged_motions_endure() {
-    let mut random = Random(0x5eed_0000_0000_0005);
+    let mut random = Random::new(0x5eed_0000_0000_0005);
     let hand = hand();
     for _ in 0..400 {
         let text = renumbered(KEYFRAMES, &mut random);

@@ -152,9 +152,9 @@ fn is_sample(input: &Input) -> bool {
 mod tests {
     use super::super::tape::Tape;
     use super::*;
-    use crate::testing::Random;
     use crate::{HandSample, TrackerTiming};
     use thenar_core::model::Side;
+    use thenar_core::random::Random;
 
     /// Ticks this far apart make a state every few of them \[ns\].
     const TICK_NS: u64 = 130_000_000;
@@ -184,7 +184,7 @@ mod tests {
     /// One tick of a loop with up to three samples, each with its number for a time and for what
     /// its tracker states.
     fn tick(tape: &mut Tape, random: &mut Random, now_ns: u64, number: &mut u64) {
-        for _ in 0..random.next() % 4 {
+        for _ in 0..random.bits() % 4 {
             *number += 1;
             let sample = HandSample { side: Side::Right, time_ns: *number, pose: None };
             let stated = TrackerTiming { rate: 90.0, latency: *number as f64, noise: 0.0 };
@@ -205,7 +205,7 @@ mod tests {
         let mut lost = 0;
         for seed in 1..=60 {
             let mut random = Random::new(seed);
-            let room = [20, 8].map(|least| least + (random.next() % 40) as usize);
+            let room = [20, 8].map(|least| least + (random.bits() % 40) as usize);
             let (mut tape, mut reel) = Tape::with_room(room[0], room[1]);
             let (mut now_ns, mut number) = (0, 0);
             for _ in 0..400 {

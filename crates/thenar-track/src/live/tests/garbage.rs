@@ -33,8 +33,7 @@ fn run(seed: u64) -> Vec<(bool, Vec<Option<Target>>)> {
             2 => frozen = if frozen.is_some() { None } else { Some(joints) },
             3 => joints[5].position.z = f64::NAN,
             4 => joints.iter_mut().for_each(|j| {
-                let axis = Vec3::new(random.symmetric(), random.symmetric(), random.symmetric());
-                j.rotation = Quat::from_scaled_axis(axis * 3.0) * j.rotation;
+                j.rotation = Quat::from_scaled_axis(random.vector(3.0)) * j.rotation;
             }),
             5 => joints = [joints[0]; 25],
             6 => rig.live.lose(),

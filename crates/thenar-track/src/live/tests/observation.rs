@@ -21,8 +21,7 @@ fn taken(timing: &TrackerTiming, hz: f64) -> f64 {
 fn swayed(timing: &TrackerTiming, hz: f64, size: f64, end: u32) -> [f64; 3] {
     let mut rig = Rig::new();
     let mut random = Random::new(5);
-    // Normal, by the sum of twelve even numbers.
-    let mut white = || timing.noise * 0.5 * (0..12).map(|_| random.symmetric()).sum::<f64>();
+    let mut white = || timing.noise * random.normal();
     rig.live.follow_at(80.0);
     let spring = FeltSpring { coupling: 160.0, damping: f64::INFINITY, delay: 0.0 };
     rig.live.feel_on(spring);

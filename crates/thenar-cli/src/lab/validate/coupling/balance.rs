@@ -28,7 +28,7 @@ fn imbalance(world: &World, soft: u32) -> [f64; 2] {
 
 /// Bones and nodes anywhere: by up to 10 mm along each axis, and 90 degrees; bones moving.
 fn scatter(world: &mut World, soft: u32, random: &mut Random) {
-    let mut vector = |size: f64| Vec3::from_fn(|_, _| size * random.symmetric());
+    let mut vector = |size: f64| random.vector(size);
     for bone in 0..world.desc().rigids.len() as u32 {
         let pose = world.rigid_pose(bone);
         let axis = vector(1.0).normalize();

@@ -172,7 +172,7 @@ fn flesh_forces(world: &World) -> Vec<f64> {
 
 /// Nodes at `F X` with F of these principal stretches between random rotations.
 fn stretch(world: &mut World, stretches: Vec3, noise: f64, random: &mut Random) {
-    let mut vector = || Vec3::from_fn(|_, _| random.symmetric());
+    let mut vector = || random.vector(1.0);
     let mut turn = || Quat::from_scaled_axis(vector() * 1.5).to_rotation_matrix().into_inner();
     let F = turn() * Mat3::from_diagonal(&stretches) * turn();
     let moved: Vec<Vec3> =

@@ -115,7 +115,7 @@ pub enum Rows {
 /// Turns every bone by up to 90 degrees about a random axis and moves it by up to `size` along
 /// each world axis.
 pub fn scatter_bones(world: &mut World, size: f64, random: &mut Random) {
-    let mut vector = |size: f64| Vec3::from_fn(|_, _| size * random.symmetric());
+    let mut vector = |size: f64| random.vector(size);
     for bone in 0..world.desc().rigids.len() as u32 {
         let pose = world.rigid_pose(bone);
         let turn = vector(1.0).normalize() * (std::f64::consts::FRAC_PI_2 * vector(1.0).x);

@@ -36,7 +36,7 @@ pub fn weights(solver: Solver) -> Result<Vec<Figure>, CaseError> {
 }
 
 fn random_motion(random: &mut Random) -> Pose {
-    let mut vector = || Vec3::from_fn(|_, _| random.symmetric());
+    let mut vector = || random.vector(1.0);
     let turn = vector().normalize() * (std::f64::consts::PI * vector().x);
     Pose::new(vector(), Quat::from_scaled_axis(turn))
 }

@@ -71,7 +71,7 @@ pub fn rigid_motions(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let still = internal_forces(unmoved.session());
     let largest = still.iter().map(Vec3::norm).fold(0.0, f64::max);
     for k in 0..MOTIONS {
-        let mut draw = || Vec3::new(random.symmetric(), random.symmetric(), random.symmetric());
+        let mut draw = || random.vector(1.0);
         let axis = draw().try_normalize(1e-9).unwrap_or(Vec3::x());
         // Every tenth by 179.9 degrees, where the rotation is hardest to find.
         let degrees = if k % 10 == 0 { 179.9 } else { 180.0 * draw().x };

@@ -182,7 +182,7 @@ fn add(to: &mut [f64], part: f64, other: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::Random;
     use nalgebra::{DMatrix, DVector};
 
     /// Gauss-Seidel on a chain of springs, which creeps, comes to the dense solution; velocities

@@ -219,9 +219,9 @@ fn in_cone(friction: f64, p: &Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use crate::model::Cone;
+    use crate::random::Random;
     use crate::solver::contact_law::Response;
     use crate::solver::monolithic::delassus::sweeps::visit;
-    use crate::testing::Random;
     use fearless_simd::{Level, dispatch};
 
     /// A step of a hand that is jammed between a toy car, a wall and itself, as a soak at 60 Hz
@@ -291,7 +291,7 @@ mod tests {
     fn the_nearest_of_a_cone_obeys_its_optimality() {
         let mut random = Random::new(51);
         for case in 0..1000 {
-            let (mut friction, mut p) = (random.range(0.0, 2.0), random.vec3(1.0));
+            let (mut friction, mut p) = (random.range(0.0, 2.0), random.vector(1.0));
             if case % 4 == 1 {
                 // A limit.
                 (friction, p.y, p.z) = (0.0, 0.0, 0.0);

@@ -429,8 +429,8 @@ fn conditions(row: &ContactRow, W: &Mat3, d: &Vec3) -> [Condition; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::solver::contact_law::Response;
-    use crate::testing::Random;
 
     fn contact(random: &mut Random) -> (ContactRow, Mat3) {
         let a = Mat3::from_fn(|_, _| random.range(-1.0, 1.0));
@@ -447,7 +447,7 @@ mod tests {
         let (mut stuck, mut slid) = (0, 0);
         for _ in 0..500 {
             let (mut row, W) = contact(&mut random);
-            let (b, response) = (random.vec3(1.0), Response::new(&W));
+            let (b, response) = (random.vector(1.0), Response::new(&W));
             for _ in 0..300 {
                 row.lambda = response.impulse(Cone::Circular, row.friction, &b, &row.lambda);
             }
@@ -469,9 +469,9 @@ mod tests {
         let mut slid = 0;
         for _ in 0..500 {
             let (mut row, W) = contact(&mut random);
-            let mut impulse = random.vec3(1.0);
+            let mut impulse = random.vector(1.0);
             impulse.x = impulse.x.abs() + 0.1;
-            let (d, change) = (random.vec3(0.5), random.vec3(1.0));
+            let (d, change) = (random.vector(0.5), random.vector(1.0));
             row.lambda = impulse;
             let here = conditions(&row, &W, &d);
             let e = 1e-6;

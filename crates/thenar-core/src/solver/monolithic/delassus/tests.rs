@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::math::Mat3;
+use crate::random::Random;
 use crate::solver::monolithic::factor::Factor;
 use crate::solver::monolithic::symbolic::Symbolic;
 use crate::solver::monolithic::{CarriedNode, Coordinates, Reduction};
 use crate::solver::{Apart, BlockMatrix, Turning};
-use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
 
 /// Bodies 0 and 1 carry the first part of the flesh; body 2 and the second part are free.
@@ -26,13 +26,13 @@ fn matrix(random: &mut Random, positions: &[Vec3]) -> BlockMatrix {
     numbers.extend((0..BODIES as u32).map(|b| (2 * b + 1, 2 * b)));
     let mut A = BlockMatrix::with_pattern(row0 + NODES, numbers.iter().copied());
     for &(i, j) in &numbers[..pairs.len()] {
-        let ends = [(i, random.vec3(1.0)), (j, -random.vec3(1.0))];
+        let ends = [(i, random.vector(1.0)), (j, -random.vector(1.0))];
         for ((i, u), (j, v)) in ends.iter().flat_map(|e| ends.iter().map(move |f| (e, f))) {
             A.add(A.entry(*i, *j), &(u * v.transpose()));
         }
     }
     for i in 0..row0 + NODES {
-        let d = random.vec3(0.5);
+        let d = random.vector(0.5);
         A.add(A.diagonal[i], &(Mat3::identity() * 0.3 + d * d.transpose()));
     }
     A
@@ -40,8 +40,8 @@ fn matrix(random: &mut Random, positions: &[Vec3]) -> BlockMatrix {
 
 fn carried(random: &mut Random, node: usize) -> CarriedNode {
     let weight = random.range(0.0, 1.0);
-    let apart = Apart::Blended { axis: random.vec3(0.2), arm: random.vec3(0.1) };
-    let levers = [random.vec3(0.1), random.vec3(0.1)];
+    let apart = Apart::Blended { axis: random.vector(0.2), arm: random.vector(0.1) };
+    let levers = [random.vector(0.1), random.vector(0.1)];
     let turning = Turning { levers, apart: node.is_multiple_of(2).then_some(apart) };
     CarriedNode {
         node: node as u32,
@@ -71,7 +71,7 @@ fn shared_columns_give_the_dense_compliance() {
 /// were solved for.
 fn compare_with_dense(nodes: usize) -> usize {
     let mut random = Random::new(23);
-    let positions: Vec<Vec3> = (0..NODES).map(|_| random.vec3(0.5)).collect();
+    let positions: Vec<Vec3> = (0..NODES).map(|_| random.vector(0.5)).collect();
     let A = matrix(&mut random, &positions);
     let mut bodies = Reduction::new(&[true; BODIES], &[], &[], &[vec![0, 1]]);
     let v = vec![Vec3::zeros(); 2 * BODIES + NODES];
@@ -97,17 +97,17 @@ fn compare_with_dense(nodes: usize) -> usize {
     let mut contacts = ContactRows::with_capacity(BODIES, 40);
     for i in 0..40 {
         if i % 8 == 0 {
-            contacts.begin_turn(&random.vec3(1.0).normalize(), 0.0);
+            contacts.begin_turn(&random.vector(1.0).normalize(), 0.0);
             contacts.hold_rigid(1, Vec3::zeros(), -1.0);
         } else {
-            contacts.begin(&random.vec3(1.0).normalize(), 0.5, &Vec3::zeros());
+            contacts.begin(&random.vector(1.0).normalize(), 0.5, &Vec3::zeros());
         }
         for _ in 0..(i % 4) * 2 {
             let node = (random.range(0.0, 1.0) * nodes as f64) as u32;
             contacts.hold_node(node.min(nodes as u32 - 1), random.range(-1.0, 1.0));
         }
         if i % 4 < 2 {
-            contacts.hold_rigid((i % 3) as u32, random.vec3(0.1), -1.0);
+            contacts.hold_rigid((i % 3) as u32, random.vector(0.1), -1.0);
         }
         contacts.rows[i].target.x = if i < 23 { 1.0 } else { -1.0 };
     }

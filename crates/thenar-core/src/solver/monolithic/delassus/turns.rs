@@ -197,9 +197,9 @@ impl Turns {
 mod tests {
     use super::*;
     use crate::model::Cone;
+    use crate::random::Random;
     use crate::solver::monolithic::delassus::sweeps::visit;
     use crate::solver::monolithic::factor::LANES;
-    use crate::testing::Random;
     use fearless_simd::{Level, dispatch};
 
     /// Sweeps over a contact and the limit of a joint, of a thing of 1 kg that touches with one
@@ -209,8 +209,8 @@ mod tests {
         let gyration = Vec3::from_fn(|_, _| random.range(0.2, 1.0));
         let inertia = Mat3::from_diagonal(&gyration.map(|k| 1.0 / (k * k)));
         let yields = turn * inertia * turn.transpose();
-        let arm = random.vec3(1.5).cross_matrix();
-        let axis = random.vec3(1.0).normalize();
+        let arm = random.vector(1.5).cross_matrix();
+        let axis = random.vector(1.0).normalize();
         let contact = Mat3::identity() + arm.transpose() * yields * arm;
         let coupling = arm.transpose() * yields * axis;
         let mut block = [[0.0_f32; LANES]; LANES];
@@ -227,7 +227,7 @@ mod tests {
         contacts.begin(&Vec3::x(), 0.0, &Vec3::zeros());
         contacts.rows[1].turns = true;
         let mut d = [0.0; LANES];
-        let mut b = random.vec3(1.0);
+        let mut b = random.vector(1.0);
         b.x = -b.x.abs();
         d[..3].copy_from_slice(b.as_slice());
         d[3] = random.range(-1.0, 0.2);
@@ -269,7 +269,7 @@ mod tests {
     fn a_hinge_between_a_wall_and_its_limit_bears_what_it_is_loaded_with() {
         let mut random = Random::new(41);
         for case in 0..500 {
-            let (arm, yields) = (random.vec3(1.0), random.range(0.1, 10.0));
+            let (arm, yields) = (random.vector(1.0), random.range(0.1, 10.0));
             let mut block = [[0.0_f32; LANES]; LANES];
             for i in 0..4 {
                 let of = |i: usize| if i < 3 { arm[i] } else { 1.0 };

@@ -1,20 +1,6 @@
-//! Damage to bytes, in a seeded sequence.
+//! Damage to the bytes of a file, of whatever kind.
 
-/// Numbers in a seeded sequence (xorshift, Marsaglia 2003).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
+use thenar_core::random::Random;
 
 const EXTREME_WORDS: [&[u8]; 10] = [
     b"-1",
@@ -31,9 +17,10 @@ const EXTREME_WORDS: [&[u8]; 10] = [
 const EXTREME_NUMBERS: [u32; 8] =
     [0, 1, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, 0x7fc0_0000, 0x7f80_0000, 0x00ff_ffff];
 
-/// One to four kinds of damage.
-pub fn damaged(seed: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
-    let mut bytes = seed.to_vec();
+/// A copy with one to four kinds of damage: cut, spliced with itself or `other`, or with numbers and
+/// words in it that are extreme.
+pub fn damaged(good: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = good.to_vec();
     for _ in 0..1 + random.below(4) {
         let (n, at) = (bytes.len(), random.below(bytes.len()));
         match random.below(7) {
@@ -66,4 +53,25 @@ pub fn damaged(seed: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
         }
     }
     bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn damage_is_repeatable_and_takes_from_both_files() {
+        let (good, other) = (b"v 1 2 3\nf 1 2 3\n", b"solid thing\nendsolid thing\n");
+        let copies = |seed: u64| -> Vec<_> {
+            let mut random = Random::new(seed);
+            (0..500).map(|_| damaged(good, other, &mut random)).collect()
+        };
+        let some = copies(1);
+        assert_eq!(some, copies(1));
+        assert_ne!(some, copies(2));
+        let with =
+            |part: &[u8]| some.iter().filter(|c| c.windows(part.len()).any(|w| w == part)).count();
+        assert!(with(b"solid") > 20 && with(b"1e999") > 5, "{} {}", with(b"solid"), with(b"1e999"));
+        assert!(some.iter().filter(|copy| copy.len() < good.len()).count() > 20);
+    }
 }
