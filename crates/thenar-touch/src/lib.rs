@@ -113,7 +113,3 @@ pub use thenar_track::{HandSample, Observation, TrackerTiming};
 pub use touch::Touch;
 pub use ways_out::lock_soon;
 
-#[cfg(test)]
-mod math {
-    pub use thenar_core::math::{Quat, Vec3};
-}

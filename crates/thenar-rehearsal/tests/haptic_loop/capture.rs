@@ -5,7 +5,7 @@ use crate::rig::{MS, devices, limits, session};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 use thenar_core::model::Side;
-use thenar_core::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat};
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings};
 use thenar_link::{HandOutput, HandSample, Rendering, Tracker};
 use thenar_scene::session::Random;
