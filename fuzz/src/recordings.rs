@@ -11,7 +11,9 @@ use thenar_rig::hand::{HandOptions, asset, build_hand};
 use thenar_rig::{Model, write_model};
 use thenar_scene::build::wanted_bytes;
 use thenar_scene::live::LivePose;
-use thenar_scene::recording::{Event, Index, Replay, ReplayError, SceneStart, SessionTape, TimeOf};
+use thenar_scene::recording::{
+    Event, Index, Replay, ReplayError, SceneStart, SessionWriter, TimeOf,
+};
 use thenar_scene::session::{Session, Source, read};
 use thenar_scene::tuning::SettingValue;
 
@@ -180,7 +182,7 @@ pub fn recorded(
     let header = Header { simulated_time: true, ..Header::default() };
     let recorder = Recorder::create(file, &header).unwrap();
     let every = 5.0 * session.world().time_step();
-    let tape = SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Simulation, every);
+    let tape = SessionWriter::new(recorder.session(), recorder.clock(), TimeOf::Simulation, every);
     session.set_witness(Box::new(tape));
     for k in 0..steps {
         drive(k, &mut session);

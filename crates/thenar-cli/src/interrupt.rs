@@ -28,8 +28,8 @@ pub fn hear() {
 }
 
 /// A file that may grow no further (`ulimit -f`) is a full disk: whoever writes gets an error. The
-/// system would end the program, and drafts would stay. Programs that this one starts are ended as
-/// usual.
+/// system would end the program, and partial files would stay. Programs that this one starts are
+/// ended as usual.
 #[cfg(unix)]
 fn outgrow() -> std::io::Result<()> {
     let unused = std::sync::Arc::default();

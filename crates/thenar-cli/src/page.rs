@@ -38,7 +38,7 @@ impl PageOptions {
     /// The port cannot be had.
     pub fn serve(&self, hub: Hub) -> Result<Server, CliError> {
         let options = Options {
-            reach: if self.lan { Reach::Lan } else { Reach::Desk },
+            reach: if self.lan { Reach::Lan } else { Reach::Loopback },
             address: None,
             port: self.port.map_or(Port::From(PORT), Port::Exactly),
             limits: RequestLimits::default(),

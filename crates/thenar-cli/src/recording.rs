@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 use thenar_output::Claim;
 use thenar_record::{Build, Channel, Clock, Field, Header, RecordError, Recorder};
-use thenar_scene::recording::{SessionTape, TimeOf};
+use thenar_scene::recording::{SessionWriter, TimeOf};
 use thenar_scene::session::{Session, Witness};
 
 /// Options of recording; part of those of every command that can record.
@@ -60,8 +60,8 @@ impl Recording {
         let claim = Claim::of(file)?;
         let recorder = Recorder::create(file, &header(time_of))?;
         let every = if every == 0.0 { f64::INFINITY } else { every };
-        let tape = SessionTape::new(recorder.session(), recorder.clock(), time_of, every);
-        Ok(Some((Self { file: file.clone(), recorder, told: false, claim }, Box::new(tape))))
+        let writer = SessionWriter::new(recorder.session(), recorder.clock(), time_of, every);
+        Ok(Some((Self { file: file.clone(), recorder, told: false, claim }, Box::new(writer))))
     }
 
     /// The file.

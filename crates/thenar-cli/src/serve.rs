@@ -4,8 +4,8 @@ use crate::building::told;
 use crate::error::CliError;
 use crate::page::PageOptions;
 use crate::recording::{RecordOptions, Recording};
-use crate::run::{Found, find, tell_overlaps};
-use crate::touch::{DeviceOptions, Simulated, Teller, tick_recorder};
+use crate::run::{SceneLocation, find, tell_overlaps};
+use crate::touch::{DeviceOptions, MessagePrinter, Simulated, tick_recorder};
 use crate::{files, interrupt};
 use std::io::Write;
 use std::path::PathBuf;
@@ -62,8 +62,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mut overrides = args.set.clone();
     overrides.extend(args.time_step.map(|s| format!("time_step={s}")));
     let source = match find(&args.scene)? {
-        Found::File(path) => SceneSource::File(path),
-        Found::Builtin(known) => SceneSource::Builtin(known.name.into()),
+        SceneLocation::File(path) => SceneSource::File(path),
+        SceneLocation::Builtin(known) => SceneSource::Builtin(known.name.into()),
     };
     let (mut recording, witness) = match Recording::start(&args.recording, TimeOf::Clock)? {
         Some((recording, witness)) => (Some(recording), Some(witness)),
@@ -80,11 +80,11 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     live.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
     tell_overlaps(live.start_overlaps());
     args.page.announce(&format!("{} is live", args.scene.display()), &server);
-    let mut teller = Teller::default();
+    let mut message_printer = MessagePrinter::default();
     while !interrupt::asked() {
         std::thread::sleep(Duration::from_millis(50));
         if let Some((device, _)) = &device {
-            teller.tell(&device.remote());
+            message_printer.tell(&device.remote());
         }
         if let Some(recording) = &mut recording {
             recording.complain();

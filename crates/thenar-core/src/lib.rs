@@ -4,6 +4,7 @@
 //! Units are SI (m, kg, s, N, Pa, rad); frames are right-handed. `pose_AB` is the
 //! pose of frame B in frame A, so that `p_A = pose_AB * p_B`.
 
+mod capacity_vec;
 pub mod condensed;
 mod contact;
 mod coupling;
@@ -14,7 +15,6 @@ pub mod model;
 mod processor;
 pub mod random;
 pub mod readout;
-mod room;
 mod skeleton;
 mod solver;
 #[cfg(test)]

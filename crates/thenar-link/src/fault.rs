@@ -1,6 +1,6 @@
 //! Trackers that go wrong as planned, for trials of everything behind them.
 
-use crate::{Driver, FoundDevice, HandSample, LinkError, Lookout, Opened, Tracker};
+use crate::{Driver, FoundDevice, HandSample, LinkError, Opened, PresenceCheck, Tracker};
 use std::f64::consts::PI;
 use thenar_core::model::Side;
 use thenar_core::random::Random;
@@ -29,7 +29,7 @@ pub enum Fault {
 
 /// A fault and when, from the first sample on \[ns\].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Planned {
+pub struct ScheduledFault {
     /// Beginning of the fault \[ns\].
     pub from_ns: u64,
     /// End of the fault \[ns\].
@@ -40,7 +40,7 @@ pub struct Planned {
 
 /// Faults of these kinds in turn, at random times and for random whiles: 20 ms to 600 ms each, 0.3
 /// s to 1.5 s apart. The same seed gives the same plan.
-pub fn plan(seed: u64, duration_ns: u64) -> Vec<Planned> {
+pub fn plan(seed: u64, duration_ns: u64) -> Vec<ScheduledFault> {
     let mut random = Random::new(seed);
     let mut random = || random.unit();
     let (mut plan, mut at, mut turn) = (Vec::new(), 0, (random() * 7.0) as usize);
@@ -60,7 +60,7 @@ pub fn plan(seed: u64, duration_ns: u64) -> Vec<Planned> {
             5 => Fault::Lost,
             _ => Fault::ClockJump((sign * (0.05 + 2.0 * random()) * 1e9) as i64),
         };
-        plan.push(Planned { from_ns: at, to_ns, fault });
+        plan.push(ScheduledFault { from_ns: at, to_ns, fault });
         (at, turn) = (to_ns, turn + 1);
     }
     plan
@@ -68,23 +68,23 @@ pub fn plan(seed: u64, duration_ns: u64) -> Vec<Planned> {
 
 /// A tracker behind which things go wrong. What it tells then may break every promise of a
 /// tracker: that is its purpose.
-pub struct Faulty {
+pub struct FaultInjector {
     inner: Box<dyn Tracker>,
-    plan: Vec<Planned>,
+    plan: Vec<ScheduledFault>,
     /// Time of the first sample \[ns\].
     first_ns: Option<u64>,
     /// Last sample reported of each hand, to freeze and to lend.
     told: [Option<HandSample>; 2],
 }
 
-impl Faulty {
+impl FaultInjector {
     /// This tracker, and what shall go wrong with it, in order of time.
-    pub fn new(inner: Box<dyn Tracker>, plan: Vec<Planned>) -> Self {
+    pub fn new(inner: Box<dyn Tracker>, plan: Vec<ScheduledFault>) -> Self {
         Self { inner, plan, first_ns: None, told: [None, None] }
     }
 }
 
-impl Tracker for Faulty {
+impl Tracker for FaultInjector {
     fn timing(&self) -> Option<TrackerTiming> {
         self.inner.timing()
     }
@@ -130,8 +130,8 @@ impl Tracker for Faulty {
         self.inner.messages()
     }
 
-    fn lookout(&self) -> Lookout {
-        self.inner.lookout()
+    fn presence_check(&self) -> PresenceCheck {
+        self.inner.presence_check()
     }
 }
 
@@ -156,9 +156,9 @@ fn flip(sample: &mut HandSample) {
 }
 
 /// Driver of addresses `fault:SEED:DEVICE`.
-pub struct FaultDriver;
+pub struct FaultInjectionDriver;
 
-impl Driver for FaultDriver {
+impl Driver for FaultInjectionDriver {
     fn name(&self) -> &'static str {
         "fault"
     }
@@ -182,7 +182,7 @@ impl Driver for FaultDriver {
         let opened = crate::open(inner)?;
         let plan = plan(seed, 3_600_000_000_000);
         let tracker = opened.tracker.ok_or_else(|| refuse("that device tracks nothing"))?;
-        Ok(Opened { tracker: Some(Box::new(Faulty::new(tracker, plan))), ..opened })
+        Ok(Opened { tracker: Some(Box::new(FaultInjector::new(tracker, plan))), ..opened })
     }
 }
 
@@ -242,13 +242,13 @@ mod tests {
             Fault::ClockJump(-700_000_000),
         ];
         for fault in faults {
-            let plan = vec![Planned { from_ns: 10 * MS, to_ns: 20 * MS, fault }];
-            let mut faulty = Faulty::new(Box::new(Steady::start()), plan);
+            let plan = vec![ScheduledFault { from_ns: 10 * MS, to_ns: 20 * MS, fault }];
+            let mut injector = FaultInjector::new(Box::new(Steady::start()), plan);
             let mut right = Steady::start();
             let mut frozen = None;
             for ms in 0..30 {
                 let want = right.latest(Side::Right).unwrap().clone();
-                let got = faulty.latest(Side::Right).cloned();
+                let got = injector.latest(Side::Right).cloned();
                 if !(10..20).contains(&ms) {
                     assert_eq!(got.as_ref(), Some(&want), "{fault:?} {ms}");
                     frozen = got;

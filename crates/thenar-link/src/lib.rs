@@ -16,8 +16,8 @@ pub mod calibration;
 pub mod cyberglove;
 pub mod cybergrasp;
 mod driver;
-pub mod either;
 mod error;
+pub mod failover;
 pub mod fault;
 pub mod force_device;
 pub mod hand_tracking_streamer;
@@ -50,8 +50,8 @@ pub use error::LinkError;
 pub use protocol::{Event, Protocol, Transport};
 pub use registry::{drivers, open};
 pub use thenar_touch::{
-    DIGITS, DigitOutput, ForceDisplay, HandOutput, Lookout, Messenger, Presence, Rendering,
-    Tracker, haptic_loop, now_ns, realtime,
+    DIGITS, DigitOutput, ForceDisplay, HandOutput, MessageSource, Presence, PresenceCheck,
+    Rendering, Tracker, haptic_loop, now_ns, realtime,
 };
 pub use thenar_track::{HandSample, source_clock};
 pub use worker::release_all;

@@ -16,7 +16,7 @@ pub struct Lines {
 pub struct TooLong(pub usize);
 
 /// A line without its end.
-pub type Shown<'a> = Result<&'a [u8], TooLong>;
+pub type LineResult<'a> = Result<&'a [u8], TooLong>;
 
 impl Lines {
     /// Lines up to this length \[bytes\].
@@ -31,7 +31,7 @@ impl Lines {
     }
 
     /// Takes bytes of a stream; shows each line that ends, without its end, unless it is blank.
-    pub fn push(&mut self, bytes: &[u8], show: &mut dyn FnMut(Shown)) {
+    pub fn push(&mut self, bytes: &[u8], show: &mut dyn FnMut(LineResult)) {
         for piece in bytes.split_inclusive(|byte| *byte == b'\n') {
             let ended = piece.last() == Some(&b'\n');
             if !self.skipping && self.begun.len() + piece.len() > self.longest + 1 {
@@ -56,7 +56,7 @@ impl Lines {
     }
 
     /// Takes a whole message, or bytes of a stream.
-    pub fn take(&mut self, whole: bool, bytes: &[u8], show: &mut dyn FnMut(Shown)) {
+    pub fn take(&mut self, whole: bool, bytes: &[u8], show: &mut dyn FnMut(LineResult)) {
         match whole {
             true => self.datagram(bytes, show),
             false => self.push(bytes, show),
@@ -64,7 +64,7 @@ impl Lines {
     }
 
     /// Takes a whole datagram: its end also ends its last line.
-    pub fn datagram(&mut self, bytes: &[u8], show: &mut dyn FnMut(Shown)) {
+    pub fn datagram(&mut self, bytes: &[u8], show: &mut dyn FnMut(LineResult)) {
         self.clear();
         self.push(bytes, show);
         if !self.begun.is_empty() {
@@ -74,7 +74,7 @@ impl Lines {
     }
 }
 
-fn line(bytes: &[u8], show: &mut dyn FnMut(Shown)) {
+fn line(bytes: &[u8], show: &mut dyn FnMut(LineResult)) {
     let bytes = bytes.trim_ascii();
     if !bytes.is_empty() {
         show(Ok(bytes));
@@ -88,7 +88,7 @@ mod tests {
     fn collect(pieces: &[&[u8]], datagrams: bool) -> Vec<String> {
         let mut lines = Lines::new(8);
         let mut seen = Vec::new();
-        let mut show = |line: Shown| {
+        let mut show = |line: LineResult| {
             seen.push(match line {
                 Ok(line) => String::from_utf8_lossy(line).into_owned(),
                 Err(_) => "too long".into(),

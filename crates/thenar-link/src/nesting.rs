@@ -16,7 +16,7 @@ pub const COUNT_MAX: usize = 80;
 
 /// Devices that are being opened on this thread.
 #[derive(Default)]
-struct Opening {
+struct OpenChain {
     /// Addresses, from the outermost in.
     chain: Vec<String>,
     /// Devices since the outermost began, itself included.
@@ -24,17 +24,17 @@ struct Opening {
 }
 
 thread_local! {
-    static OPENING: RefCell<Opening> = RefCell::default();
+    static OPENING: RefCell<OpenChain> = RefCell::default();
 }
 
 /// Stands for a device until it is open.
-pub struct Nested(());
+pub struct NestingGuard(());
 
 /// Goes one device deeper.
 ///
 /// # Errors
 /// Too many devices are inside each other, or belong to one address.
-pub fn enter(address: &str) -> Result<Nested, LinkError> {
+pub fn enter(address: &str) -> Result<NestingGuard, LinkError> {
     OPENING.with_borrow_mut(|opening| {
         if opening.chain.is_empty() {
             opening.count = 0;
@@ -46,7 +46,7 @@ pub fn enter(address: &str) -> Result<Nested, LinkError> {
         } else {
             opening.count += 1;
             opening.chain.push(address.into());
-            return Ok(Nested(()));
+            return Ok(NestingGuard(()));
         };
         Err(LinkError::Setting { what: format!("device {}", quoted(address)), cause })
     })
@@ -57,7 +57,7 @@ pub fn is_opening(address: &str) -> bool {
     OPENING.with_borrow(|opening| opening.chain.iter().any(|known| known == address))
 }
 
-impl Drop for Nested {
+impl Drop for NestingGuard {
     fn drop(&mut self) {
         OPENING.with_borrow_mut(|opening| _ = opening.chain.pop());
     }
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn one_address_opens_so_many_devices() {
-        let all: Vec<Nested> = (0..4).map(|k| enter(&format!("d:{k}")).unwrap()).collect();
+        let all: Vec<NestingGuard> = (0..4).map(|k| enter(&format!("d:{k}")).unwrap()).collect();
         let more = (0..100).take_while(|k| enter(&format!("e:{k}")).is_ok()).count();
         assert_eq!(more, 76);
         assert!(is_opening("d:3") && !is_opening("e:3"));

@@ -1,7 +1,9 @@
 //! A glove without a place of its own, on a wrist that another device tracks.
 
 use crate::profile::{Address, Wrist, profile_name};
-use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, nesting, now_ns};
+use crate::{
+    HandSample, LinkError, MessageSource, Opened, PresenceCheck, Tracker, nesting, now_ns,
+};
 use thenar_core::Pose;
 use thenar_core::model::Side;
 use thenar_input::quoted;
@@ -149,8 +151,8 @@ impl Tracker for Paired {
         all
     }
 
-    fn messenger(&self) -> Messenger {
-        let (mut fingers, mut base) = (self.fingers.messenger(), self.base.messenger());
+    fn message_source(&self) -> MessageSource {
+        let (mut fingers, mut base) = (self.fingers.message_source(), self.base.message_source());
         let news = self.clocks.each_ref().map(TrackerClock::news);
         Box::new(move || {
             let mut all = fingers();
@@ -160,8 +162,8 @@ impl Tracker for Paired {
         })
     }
 
-    fn lookout(&self) -> Lookout {
-        let (mut fingers, mut base) = (self.fingers.lookout(), self.base.lookout());
+    fn presence_check(&self) -> PresenceCheck {
+        let (mut fingers, mut base) = (self.fingers.presence_check(), self.base.presence_check());
         Box::new(move || [fingers(), base()].concat())
     }
 }

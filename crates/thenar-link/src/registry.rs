@@ -1,8 +1,8 @@
 //! All drivers, and addresses as a person writes them: `name:address`.
 
 use crate::bhaptics::BhapticsDriver;
-use crate::either::EitherDriver;
-use crate::fault::FaultDriver;
+use crate::failover::FailoverDriver;
+use crate::fault::FaultInjectionDriver;
 use crate::force_device::ForceDeviceDriver;
 use crate::hand_tracking_streamer::HandTrackingStreamerDriver;
 use crate::pose_stream::PoseStreamDriver;
@@ -22,8 +22,8 @@ pub fn drivers() -> Vec<Box<dyn Driver>> {
         Box::new(ReplayDriver),
         Box::new(ForceDeviceDriver),
         Box::new(BhapticsDriver),
-        Box::new(EitherDriver),
-        Box::new(FaultDriver),
+        Box::new(FailoverDriver),
+        Box::new(FaultInjectionDriver),
         #[cfg(feature = "openxr")]
         Box::new(crate::openxr::OpenXrDriver),
     ]

@@ -8,10 +8,10 @@ use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Names of drafts that are tried: others were left by processes that were killed.
-const DRAFTS_MAX: u32 = 1000;
-/// Bytes of a target's name that its draft begins with: with the rest it stays under the 255 that
-/// file systems take.
+/// Names of partial files that are tried: others were left by processes that were killed.
+const ATTEMPTS_MAX: u32 = 1000;
+/// Bytes of a target's name that its partial file begins with: with the rest it stays under the 255
+/// that file systems take.
 const NAME_BYTES_MAX: usize = 200;
 
 /// An output that is complete or not there; see the [crate](crate).
@@ -19,12 +19,12 @@ const NAME_BYTES_MAX: usize = 200;
 pub struct Output {
     target: PathBuf,
     out: Option<BufWriter<File>>,
-    draft: Option<Draft>,
+    partial: Option<PartialFile>,
 }
 
-/// Draft that becomes a plain file.
+/// Partial file that becomes a plain file.
 #[derive(Debug)]
-struct Draft {
+struct PartialFile {
     path: PathBuf,
     claim: Claim,
 }
@@ -36,15 +36,15 @@ impl Output {
     /// The target cannot be written, or must not be.
     pub fn create(target: &Path) -> Result<Self, OutputError> {
         let fail = |cause| OutputError::new(target, cause);
-        let (file, draft) = match Destination::find(target).map_err(fail)? {
+        let (file, partial) = match Destination::find(target).map_err(fail)? {
             Destination::Straight(file) => (file, None),
             Destination::Plain(file, old) => {
                 let claim = Claim::at(file).map_err(fail)?;
                 let (file, path) = begin(claim.file(), old.as_ref()).map_err(|e| fail(e.into()))?;
-                (file, Some(Draft { path, claim }))
+                (file, Some(PartialFile { path, claim }))
             }
         };
-        Ok(Self { target: target.into(), out: Some(BufWriter::new(file)), draft })
+        Ok(Self { target: target.into(), out: Some(BufWriter::new(file)), partial })
     }
 
     /// The target, as it was named.
@@ -58,8 +58,8 @@ impl Output {
     /// The system refuses; nothing is left then, and what was there stays.
     pub fn finish(mut self) -> Result<(), OutputError> {
         self.complete()?;
-        if let Some(draft) = self.draft.take() {
-            draft.claim.keep();
+        if let Some(partial) = self.partial.take() {
+            partial.claim.keep();
         }
         Ok(())
     }
@@ -71,13 +71,13 @@ impl Output {
 
     fn complete(&mut self) -> Result<(), OutputError> {
         let Some(mut out) = self.out.take() else { return Ok(()) };
-        let done = out.flush().and_then(|()| match &self.draft {
+        let done = out.flush().and_then(|()| match &self.partial {
             None => Ok(()),
-            Some(draft) => {
+            Some(partial) => {
                 out.get_ref().sync_all()?;
                 let mut ledger = ledger();
-                fs::rename(&draft.path, draft.claim.file())?;
-                ledger.unfinished.remove(&draft.path);
+                fs::rename(&partial.path, partial.claim.file())?;
+                ledger.unfinished.remove(&partial.path);
                 Ok(())
             }
         });
@@ -90,11 +90,11 @@ impl Output {
     }
 
     fn discard(&mut self) {
-        if let Some(draft) = self.draft.take() {
+        if let Some(partial) = self.partial.take() {
             let mut ledger = ledger();
             // It is gone already where the folder is.
-            let _ = fs::remove_file(&draft.path);
-            ledger.unfinished.remove(&draft.path);
+            let _ = fs::remove_file(&partial.path);
+            ledger.unfinished.remove(&partial.path);
             drop(ledger);
         }
     }
@@ -139,53 +139,53 @@ pub fn write_whole(target: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     output.finish_once()
 }
 
-/// Begins a draft beside a file, with the permissions of the old one.
+/// Begins a partial file beside a file, with the permissions of the old one.
 fn begin(file: &Path, old: Option<&Metadata>) -> io::Result<(File, PathBuf)> {
     let mut ledger = ledger();
-    for number in 0..DRAFTS_MAX {
+    for number in 0..ATTEMPTS_MAX {
         let path = beside(file, number);
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
-            Ok(draft) => {
+            Ok(partial) => {
                 ledger.unfinished.insert(path.clone());
                 if let Some(old) = old {
-                    inherit(&draft, old);
+                    inherit(&partial, old);
                 }
-                return Ok((draft, path));
+                return Ok((partial, path));
             }
         }
     }
     Err(io::Error::other("its folder is full of unfinished files"))
 }
 
-/// Gives a draft owner and permissions of the file whose place it takes.
-fn inherit(draft: &File, old: &Metadata) {
+/// Gives a partial file owner and permissions of the file whose place it takes.
+fn inherit(partial: &File, old: &Metadata) {
     #[cfg(unix)]
     {
         use std::os::unix::fs::{MetadataExt, fchown};
         // Only root may give files away; a group of one's own anybody.
-        if fchown(draft, Some(old.uid()), Some(old.gid())).is_err() {
-            let _ = fchown(draft, None, Some(old.gid()));
+        if fchown(partial, Some(old.uid()), Some(old.gid())).is_err() {
+            let _ = fchown(partial, None, Some(old.gid()));
         }
     }
     // Where the file system has no permissions there is nothing to keep.
-    let _ = draft.set_permissions(old.permissions());
+    let _ = partial.set_permissions(old.permissions());
 }
 
 /// `NAME.PID.part` in the same folder, or `NAME.PID-1.part`.
 fn beside(file: &Path, number: u32) -> PathBuf {
     let name = file.file_name().unwrap_or_default();
-    let mut draft = match name.len() {
+    let mut partial = match name.len() {
         ..=NAME_BYTES_MAX => name.to_owned(),
         _ => OsString::from(cut(&name.to_string_lossy())),
     };
     let id = std::process::id();
-    draft.push(match number {
+    partial.push(match number {
         0 => format!(".{id}.part"),
         _ => format!(".{id}-{number}.part"),
     });
-    file.with_file_name(draft)
+    file.with_file_name(partial)
 }
 
 /// The beginning of a name, up to a whole character.

@@ -175,7 +175,7 @@ mod unix {
         for link in ["direct", "indirect", "dangling", "dangling-twice"] {
             assert!(folder.file(link).is_symlink(), "{link}");
         }
-        // The draft lay beside the file, not beside the link, and is gone.
+        // The partial file lay beside the file, not beside the link, and is gone.
         assert_eq!(folder.names(), ["dangling", "dangling-twice", "deep", "direct", "indirect"]);
         assert_eq!(fs::read_dir(folder.file("deep")).unwrap().count(), 2);
         // One file by two names is one file.
@@ -285,9 +285,9 @@ mod unix {
             fs::write(&target, "old").unwrap();
             fs::set_permissions(&target, fs::Permissions::from_mode(mode)).unwrap();
             let output = Output::create(&target).unwrap();
-            // Nobody else reads the draft either.
-            let draft = folder.file(&format!("{mode:o}.{}.part", std::process::id()));
-            assert_eq!(fs::metadata(draft).unwrap().permissions().mode() & 0o777, mode);
+            // Nobody else reads the partial file either.
+            let partial = folder.file(&format!("{mode:o}.{}.part", std::process::id()));
+            assert_eq!(fs::metadata(partial).unwrap().permissions().mode() & 0o777, mode);
             output.finish().unwrap();
             assert_eq!(fs::metadata(&target).unwrap().permissions().mode() & 0o777, mode);
         }

@@ -5,7 +5,7 @@ use super::scene3d::Material;
 use std::ops::Range;
 use thenar_core::model::{EmbeddedSurface, HandModel};
 use thenar_rig::TriMesh;
-use thenar_rig::object::Paint;
+use thenar_rig::object::ColourRun;
 
 /// A hand in a picture.
 pub struct HandActor<'a> {
@@ -38,5 +38,5 @@ pub struct Rigid<'a> {
     pub colour: Option<Rgb>,
     /// A mesh in the body's frame \[m\], finer than the contact shape, and the colours of its
     /// parts.
-    pub mesh: Option<(&'a TriMesh, &'a [Paint])>,
+    pub mesh: Option<(&'a TriMesh, &'a [ColourRun])>,
 }

@@ -9,7 +9,7 @@ use thenar_core::model::{JointKind, Motion, RigidDesc};
 use thenar_core::{Pose, Vec3, World};
 use thenar_rig::TriMesh;
 use thenar_rig::hand::cuff;
-use thenar_rig::object::Paint;
+use thenar_rig::object::ColourRun;
 
 /// Colours of bodies that were given none.
 const PALETTE: [u32; 5] = [0xb3231f, 0x2a6fb0, 0x3f8f4f, 0xd08a1d, 0x6d4c9f];
@@ -33,7 +33,7 @@ pub fn rigid_mesh(desc: &RigidDesc, pose_WB: &Pose, look: &Rigid) -> Option<Mesh
 }
 
 /// Colours of a mesh's vertices; its parts share none.
-fn painted(mesh: &TriMesh, paint: &[Paint]) -> Vec<Rgb> {
+fn painted(mesh: &TriMesh, paint: &[ColourRun]) -> Vec<Rgb> {
     let mut colours = vec![[0.8; 3]; mesh.positions.len()];
     for (k, part) in paint.iter().enumerate() {
         let end = paint.get(k + 1).map_or(mesh.triangles.len(), |next| next.first as usize);

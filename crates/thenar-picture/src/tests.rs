@@ -210,7 +210,7 @@ mod files {
         let path = dir.join("a.png");
         write_png(Output::create(&path).expect("begun"), &frame(3)).expect("written");
         assert_eq!(png_reader::first(&path), (frame(3).rgb, [31, 17], 1));
-        assert_eq!(std::fs::read_dir(&dir).expect("listed").count(), 1, "no draft is left");
+        assert_eq!(std::fs::read_dir(&dir).expect("listed").count(), 1, "no partial file is left");
         std::fs::remove_dir_all(dir).expect("removed");
     }
 

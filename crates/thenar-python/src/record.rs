@@ -6,12 +6,12 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 use thenar_output::Claim;
 use thenar_record::{Build, Header, Recorder};
-use thenar_scene::recording::{SessionTape, TimeOf};
+use thenar_scene::recording::{SessionWriter, TimeOf};
 use thenar_scene::session::Witness;
 
 /// A recording being written.
 #[derive(Debug)]
-pub struct Writing {
+pub struct ActiveRecording {
     recorder: Recorder,
     /// No other recording of this process takes its name meanwhile.
     _claim: Claim,
@@ -30,7 +30,7 @@ fn header() -> Header {
     }
 }
 
-impl Writing {
+impl ActiveRecording {
     /// Begins a file, which must not be there yet. `keyframes`: simulated time between keyframes
     /// \[s\], 0 for none.
     ///
@@ -44,8 +44,8 @@ impl Writing {
         let claim = Claim::of(file).map_err(|e| error::RecordingError::new_err(e.to_string()))?;
         let recorder = Recorder::create(file, &header()).map_err(|e| error::record(&e))?;
         let of = TimeOf::Simulation;
-        let tape = SessionTape::new(recorder.session(), recorder.clock(), of, every);
-        Ok((Self { recorder, _claim: claim }, Box::new(tape)))
+        let writer = SessionWriter::new(recorder.session(), recorder.clock(), of, every);
+        Ok((Self { recorder, _claim: claim }, Box::new(writer)))
     }
 
     /// Ends it; its size \[bytes\]. The file's name is free then: a file that is there is not

@@ -12,7 +12,7 @@ use thenar_scene::recording::{Event, Replay};
 
 /// A recording being made again.
 #[derive(Debug)]
-struct Making {
+struct ActiveReplay {
     replay: Replay,
     generation: u64,
     /// Contact in other forms, of the present scene.
@@ -29,11 +29,11 @@ type Step = (f64, u32, u64, u64, Option<bool>);
 #[derive(Debug)]
 pub struct Recording {
     claims: Claims,
-    making: Mutex<Making>,
+    making: Mutex<ActiveReplay>,
 }
 
 impl Recording {
-    fn lock(&self) -> PyResult<MutexGuard<'_, Making>> {
+    fn lock(&self) -> PyResult<MutexGuard<'_, ActiveReplay>> {
         match self.making.try_lock() {
             Ok(making) => Ok(making),
             Err(TryLockError::WouldBlock) => Err(error::busy()),
@@ -41,7 +41,7 @@ impl Recording {
         }
     }
 
-    fn with<T>(&self, act: impl FnOnce(&mut Making) -> PyResult<T>) -> PyResult<T> {
+    fn with<T>(&self, act: impl FnOnce(&mut ActiveReplay) -> PyResult<T>) -> PyResult<T> {
         let _claim = self.claims.take().ok_or_else(error::busy)?;
         act(&mut *self.lock()?)
     }
@@ -53,7 +53,7 @@ impl Recording {
     #[staticmethod]
     fn open(py: Python<'_>, file: PathBuf) -> PyResult<Self> {
         let replay = py.detach(|| Replay::open(&file)).map_err(|e| error::replay(&e))?;
-        let making = Making { replay, generation: 0, readout: None, read: false };
+        let making = ActiveReplay { replay, generation: 0, readout: None, read: false };
         Ok(Self { claims: Claims::default(), making: Mutex::new(making) })
     }
 
@@ -134,7 +134,7 @@ fn no_scene() -> PyErr {
     error::RecordingError::new_err("no scene of the recording has begun yet")
 }
 
-impl Making {
+impl ActiveReplay {
     /// The next event: `None` for what is no step, and `Some(None)` at the end.
     fn step(&mut self) -> PyResult<Option<Option<Step>>> {
         let before = self.replay.verdict().clone();

@@ -1,7 +1,7 @@
 //! A session with all that Python asks of it.
 
 use crate::quantity::Quantity;
-use crate::record::Writing;
+use crate::record::ActiveRecording;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::time::{Duration, Instant};
@@ -23,7 +23,7 @@ pub struct Running {
     /// Steps so far that gave a number that is not finite: taken back, in whole or in part.
     pub taken_back: u64,
     /// The recording under way.
-    pub writing: Option<Writing>,
+    pub writing: Option<ActiveRecording>,
     /// Contact in other forms, and the generation it is of.
     readout: (ContactReadout, Option<u64>),
 }

@@ -6,7 +6,7 @@ use crate::error;
 use crate::numbers::{rows, table};
 use crate::picture::{self, PictureSpec};
 use crate::quantity::Quantity;
-use crate::record::Writing;
+use crate::record::ActiveRecording;
 use crate::report::StepReport;
 use crate::running::Running;
 use crate::taxels::Taxels;
@@ -394,7 +394,7 @@ impl World {
                     "a recording begins where its scene does: record a world that was just made";
                 return Err(error::RecordingError::new_err(what));
             }
-            let (writing, witness) = Writing::start(&file, keyframes)?;
+            let (writing, witness) = ActiveRecording::start(&file, keyframes)?;
             running.session.set_witness(witness);
             running.writing = Some(writing);
             Ok(())

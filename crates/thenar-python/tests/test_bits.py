@@ -109,7 +109,7 @@ def test_a_disk_that_fills_is_told_and_what_was_written_is_kept(tmp_path: pathli
             world.save_picture(tmp_path / "full.png", 800, 600)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    # The world goes on as one that was not recorded, and there is no draft of a picture.
+    # The world goes on as one that was not recorded, and there is no partial file of a picture.
     alone = thenar.Scene.named("falling-box").world()
     alone.step(1001)
     world.step()

@@ -1,7 +1,7 @@
 //! Channels: small records of fixed size beside the session, such as one per haptic tick.
 
 use crate::frame::FrameKind;
-use crate::tape::{Tape, Weight};
+use crate::frame_writer::{FrameWriter, Weight};
 use serde::{Deserialize, Serialize};
 
 /// A number of a record.
@@ -34,14 +34,14 @@ pub struct ChannelInfo {
 /// Takes the records of one channel: 13 bytes and 8 for each field, little-endian f64.
 #[derive(Debug)]
 pub struct Channel {
-    tape: Tape,
+    frame_writer: FrameWriter,
     id: u32,
     fields: usize,
 }
 
 impl Channel {
-    pub(crate) fn new(tape: Tape, info: &ChannelInfo) -> Self {
-        Self { tape, id: info.id, fields: info.fields.len() }
+    pub(crate) fn new(frame_writer: FrameWriter, info: &ChannelInfo) -> Self {
+        Self { frame_writer, id: info.id, fields: info.fields.len() }
     }
 
     /// Records these values, taken at `time_ns` of the recording's clock. Wait-free: no lock, no
@@ -52,7 +52,7 @@ impl Channel {
     pub fn record(&mut self, time_ns: u64, values: &[f64]) -> bool {
         assert_eq!(values.len(), self.fields, "one value for each field of the channel");
         let id = self.id;
-        self.tape.frame(FrameKind::Record, time_ns, Weight::Heavy, |body| {
+        self.frame_writer.frame(FrameKind::Record, time_ns, Weight::Heavy, |body| {
             body.extend_from_slice(&id.to_le_bytes());
             values.iter().for_each(|x| body.extend_from_slice(&x.to_le_bytes()));
         })
@@ -60,7 +60,7 @@ impl Channel {
 
     /// Records dropped so far.
     pub fn dropped(&self) -> u64 {
-        self.tape.dropped()
+        self.frame_writer.dropped()
     }
 }
 

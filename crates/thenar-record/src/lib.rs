@@ -1,8 +1,8 @@
 //! Recordings: an append-only file of small frames, each with its length and checksum, written by
 //! a thread of its own.
 //!
-//! Whoever has something to record holds a [`Tape`] or a [`Channel`]: one end of a bounded ring.
-//! Writing to it takes a copy into memory that is there already: it allocates nothing, locks
+//! Whoever has something to record holds a [`FrameWriter`] or a [`Channel`]: one end of a bounded
+//! ring. Writing to it takes a copy into memory that is there already: it allocates nothing, locks
 //! nothing, makes no system call and never waits. Where the disk is too slow the ring fills, what
 //! comes then is counted and dropped, and a gap frame says so in the file.
 //!
@@ -15,17 +15,17 @@ mod channel;
 mod clock;
 mod error;
 mod frame;
+mod frame_writer;
 mod header;
 mod reader;
 mod recorder;
 mod resync;
-mod tape;
 
 pub use channel::{Channel, ChannelInfo, Field, Record};
 pub use clock::Clock;
 pub use error::{OpenError, RecordError};
 pub use frame::{FRAME_BYTES_MAX, Frame, FrameKind, VERSION};
+pub use frame_writer::{FrameWriter, Gap, Weight};
 pub use header::{Build, Header};
 pub use reader::{Damage, Fault, FramePlace, Frames, open};
 pub use recorder::{Recorder, Written};
-pub use tape::{Gap, Tape, Weight};

@@ -3,7 +3,7 @@
 use crate::frame::{
     FRAME_BYTES_MAX, Frame, HEAD_BYTES, MAGIC, PAYLOAD_BYTES_MIN, PROLOGUE_BYTES, checksum,
 };
-use crate::resync::{Newest, Search};
+use crate::resync::{NewestTimes, Search};
 use crate::{FrameKind, Header, OpenError, VERSION};
 use std::fmt;
 use std::fs::File;
@@ -61,7 +61,7 @@ impl fmt::Display for Damage {
 pub struct FramePlace {
     at: u64,
     sum: u32,
-    newest: Newest,
+    newest: NewestTimes,
 }
 
 impl FramePlace {
@@ -84,9 +84,9 @@ pub struct Frames<R> {
     last: (u64, u32),
     payload: Vec<u8>,
     damages: Vec<Damage>,
-    newest: Newest,
+    newest: NewestTimes,
     /// Times of the newest frames before the one that was read last.
-    before: Newest,
+    before: NewestTimes,
     /// Bytes that may still be read to find the way after damage.
     budget: u64,
     ended: bool,
@@ -149,8 +149,8 @@ impl<R: Read + Seek> Frames<R> {
             last: (PROLOGUE_BYTES as u64, word(12)),
             payload: Vec::new(),
             damages: Vec::new(),
-            newest: Newest::default(),
-            before: Newest::default(),
+            newest: NewestTimes::default(),
+            before: NewestTimes::default(),
             budget: size.saturating_mul(16).saturating_add(1 << 26),
             ended: false,
         };

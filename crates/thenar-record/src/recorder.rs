@@ -2,7 +2,7 @@
 
 use crate::channel::{Channel, ChannelInfo, Field};
 use crate::frame::{FrameKind, append, begin_payload, prologue};
-use crate::tape::{BIG, Tape};
+use crate::frame_writer::{BIG, FrameWriter};
 use crate::{Clock, Header, RecordError};
 use rtrb::{Consumer, RingBuffer};
 use std::fs::{File, OpenOptions};
@@ -111,9 +111,9 @@ impl Recorder {
         self.clock
     }
 
-    /// The tape of the session. There is one.
-    pub fn session(&self) -> Tape {
-        self.tape(0, SESSION_RING, SESSION_FRAME)
+    /// The writer of the session's frames. There is one.
+    pub fn session(&self) -> FrameWriter {
+        self.frame_writer(0, SESSION_RING, SESSION_FRAME)
     }
 
     /// A channel with these fields, with room for `waiting` records that the disk has not taken
@@ -123,19 +123,19 @@ impl Recorder {
         let info = ChannelInfo { id: self.channels, name: name.into(), fields: fields.into() };
         let longest = 17 + 8 * fields.len();
         let ring = (waiting * longest).max(4096);
-        let mut tape = self.tape(info.id, ring, longest);
-        tape.big_frame(FrameKind::Channel, self.clock.now_ns(), |body| {
+        let mut frame_writer = self.frame_writer(info.id, ring, longest);
+        frame_writer.big_frame(FrameKind::Channel, self.clock.now_ns(), |body| {
             body.extend(serde_json::to_vec(&info).unwrap_or_default());
         });
-        Channel::new(tape, &info)
+        Channel::new(frame_writer, &info)
     }
 
-    fn tape(&self, source: u32, ring: usize, longest: usize) -> Tape {
+    fn frame_writer(&self, source: u32, ring: usize, longest: usize) -> FrameWriter {
         let (producer, consumer) = RingBuffer::new(ring);
         let (big, coming) = channel();
         // Where the thread has ended, frames go nowhere and `trouble` says why.
         let _ = self.sources.send(Source { ring: consumer, big: coming });
-        Tape::new(producer, big, source, longest)
+        FrameWriter::new(producer, big, source, longest)
     }
 
     /// Why nothing is written any more, if so.

@@ -20,7 +20,7 @@ const FRAME_BYTES_MIN: usize = HEAD_BYTES + PAYLOAD_BYTES_MIN;
 
 /// Times of the newest frame of each source \[ns\].
 #[derive(Clone, Debug, Default)]
-pub struct Newest(BTreeMap<u32, u64>);
+pub struct NewestTimes(BTreeMap<u32, u64>);
 
 /// Source whose time a frame carries: 0 the session, else a channel. `None` where times say
 /// nothing.
@@ -32,7 +32,7 @@ fn source(frame: &Frame) -> Option<u32> {
     }
 }
 
-impl Newest {
+impl NewestTimes {
     /// Takes in a frame that is trusted.
     pub fn note(&mut self, frame: &Frame) {
         if let Some(source) = source(frame) {
@@ -54,13 +54,13 @@ impl Newest {
 
 /// The head of a frame.
 #[derive(Clone, Copy, Debug)]
-struct Head {
+struct FrameHead {
     length: [u8; 4],
     sum: u32,
     kind: u8,
 }
 
-impl Head {
+impl FrameHead {
     fn of(bytes: &[u8]) -> Option<Self> {
         let (length, rest) = bytes.split_first_chunk::<4>()?;
         let (sum, rest) = rest.split_first_chunk::<4>()?;
@@ -79,7 +79,7 @@ impl Head {
 pub struct Search<'a, R> {
     pub input: &'a mut R,
     pub size: u64,
-    pub newest: &'a Newest,
+    pub newest: &'a NewestTimes,
     /// The mark of the end has been read.
     pub ended: bool,
     /// Bytes that may still be read: a file made up of traps must not take for ever.
@@ -97,7 +97,7 @@ impl<R: Read + Seek> Search<'_, R> {
             let got = read_up_to(self.input, &mut window)?;
             for k in 0..got.min(WINDOW) {
                 let at = start + k as u64;
-                let Some(head) = Head::of(&window[k..got]) else { break };
+                let Some(head) = FrameHead::of(&window[k..got]) else { break };
                 // Where the damage begins the head may be whole, and the kind not.
                 let is_frame = at == from || FrameKind::of(head.kind).is_some();
                 let next = head.end(at).filter(|next| is_frame && *next < self.size);
@@ -125,7 +125,7 @@ impl<R: Read + Seek> Search<'_, R> {
         if read_up_to(self.input, &mut bytes)? < bytes.len() {
             return Ok(false);
         }
-        let Some(head) = Head::of(&bytes) else { return Ok(false) };
+        let Some(head) = FrameHead::of(&bytes) else { return Ok(false) };
         let end =
             head.end(at).filter(|end| *end <= self.size && FrameKind::of(head.kind).is_some());
         let Some(end) = end.filter(|end| self.spend(end - at)) else { return Ok(false) };

@@ -9,7 +9,7 @@ use thenar_touch::safety::Limits;
 use thenar_touch::{LoopProfile, TrackerTiming};
 
 /// State that both ends share.
-struct Line {
+struct SharedLine {
     next: Option<HandSample>,
     seen_ns: Option<u64>,
     shown: HandOutput,
@@ -17,17 +17,17 @@ struct Line {
 }
 
 /// The wearer's ends.
-pub struct Ends(Arc<Mutex<Line>>);
+pub struct WearerEndpoint(Arc<Mutex<SharedLine>>);
 
 /// The loop's ends.
-struct Told {
-    line: Arc<Mutex<Line>>,
+struct LoopEndpoint {
+    line: Arc<Mutex<SharedLine>>,
     timing: TrackerTiming,
     sample: Option<HandSample>,
 }
 
 struct Glove {
-    line: Arc<Mutex<Line>>,
+    line: Arc<Mutex<SharedLine>>,
     limits: Limits,
     door: Door,
 }
@@ -36,22 +36,23 @@ struct Glove {
 pub fn pair(
     timing: TrackerTiming,
     limits: Limits,
-) -> (Ends, Box<dyn Tracker>, Box<dyn ForceDisplay>) {
+) -> (WearerEndpoint, Box<dyn Tracker>, Box<dyn ForceDisplay>) {
     let shown = HandOutput::released(Side::Right, 0);
-    let line = Arc::new(Mutex::new(Line { next: None, seen_ns: None, shown, heard_ns: None }));
-    let tracker = Told { line: line.clone(), timing, sample: None };
+    let line =
+        Arc::new(Mutex::new(SharedLine { next: None, seen_ns: None, shown, heard_ns: None }));
+    let tracker = LoopEndpoint { line: line.clone(), timing, sample: None };
     (
-        Ends(line.clone()),
+        WearerEndpoint(line.clone()),
         Box::new(tracker),
         Box::new(Glove { line, limits, door: Door::new(limits, None, true) }),
     )
 }
 
-fn open(line: &Mutex<Line>) -> MutexGuard<'_, Line> {
+fn open(line: &Mutex<SharedLine>) -> MutexGuard<'_, SharedLine> {
     line.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Ends {
+impl WearerEndpoint {
     /// Returns the glove's present pull.
     pub fn shown(&self) -> HandOutput {
         open(&self.0).shown
@@ -69,7 +70,7 @@ impl Ends {
     }
 }
 
-impl Tracker for Told {
+impl Tracker for LoopEndpoint {
     fn latest(&mut self, side: Side) -> Option<&HandSample> {
         let mut line = open(&self.line);
         let next = line.next.take_if(|sample| sample.side == side)?;

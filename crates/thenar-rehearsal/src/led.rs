@@ -1,6 +1,6 @@
 //! A hand that is led through exact poses, seen by a tracker, in the product's own loop.
 
-use crate::glove::{self, Ends, LateTracker};
+use crate::glove::{self, LateTracker, WearerEndpoint};
 use crate::{RehearsalError, Stage, TICK_NS, moved, white};
 use thenar_core::Vec3;
 use thenar_core::model::Side;
@@ -14,7 +14,7 @@ use thenar_track::live::{LiveError, LivePose};
 /// The first hand of a scene, led exactly: it gives way to nothing.
 pub struct Led {
     stage: Stage,
-    ends: Ends,
+    ends: WearerEndpoint,
     tracker: LateTracker,
     /// Noise of what the tracker sees \[m\].
     noise: f64,

@@ -23,9 +23,9 @@ pub use led::{Led, scripted};
 pub use onset::{Onset, late_spring_onset};
 pub use stage::Stage;
 pub use study::{Comparison, Study, moved};
-pub use wearer::{Finger, Flow, Human};
+pub use wearer::{Finger, FingerImpedance, Flow};
 
-use glove::{Ends, LateTracker};
+use glove::{LateTracker, WearerEndpoint};
 use std::ops::RangeInclusive;
 use thenar_core::model::Side;
 use thenar_link::{DIGITS, HandSample};
@@ -60,7 +60,7 @@ const PROBING: [u64; 2] = [250, 1000];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rehearsal {
     /// Each finger of the wearer.
-    pub human: Human,
+    pub human: FingerImpedance,
     /// Timing of the tracker, known to the loop.
     pub tracker: TrackerTiming,
     /// Mode of touch between hand and simulation.
@@ -103,7 +103,7 @@ pub enum RehearsalError {
 
 /// Figures of a finger at the end of a rehearsal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Felt {
+pub struct FingerOutcome {
     /// Mean force \[N\].
     pub mean: f64,
     /// Root mean square about it \[N\].
@@ -124,7 +124,7 @@ pub struct Felt {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Thumb first.
-    pub fingers: [Felt; DIGITS],
+    pub fingers: [FingerOutcome; DIGITS],
     /// Largest force that was sent, and its largest change in a tick \[N\].
     pub largest: [f64; 2],
     /// Largest force that a finger felt once the command stood still or swayed \[N\].
@@ -157,8 +157,8 @@ impl Outcome {
     }
 
     /// The worst of all fingers.
-    pub fn worst(&self) -> Felt {
-        self.fingers.iter().fold(Felt::default(), |worst, felt| Felt {
+    pub fn worst(&self) -> FingerOutcome {
+        self.fingers.iter().fold(FingerOutcome::default(), |worst, felt| FingerOutcome {
             mean: worst.mean.max(felt.mean),
             rms: worst.rms.max(felt.rms),
             motion_rms: worst.motion_rms.max(felt.motion_rms),
@@ -175,7 +175,7 @@ impl Rehearsal {
     /// # Errors
     /// Names the number and what it may be.
     pub fn check(&self) -> Result<(), RehearsalError> {
-        let Human { mass, damping, stiffness } = self.human;
+        let FingerImpedance { mass, damping, stiffness } = self.human;
         let numbers = [
             ("the mass M", mass, 1e-3..=100.0, "kg", "0.001 to 100 kg"),
             ("the damping B", damping, 0.0..=1000.0, "N s/m", "0 to 1000 N s/m"),
@@ -254,7 +254,7 @@ fn check_tracker(timing: &TrackerTiming) -> Result<(), RehearsalError> {
 struct Run<'a> {
     what: &'a Rehearsal,
     stage: Stage,
-    ends: Ends,
+    ends: WearerEndpoint,
     hand: RehearsedHand,
     random: Random,
     side: Side,
@@ -272,7 +272,7 @@ impl<'a> Run<'a> {
         let side = stage.session().hands()[0].model.side.unwrap_or(Side::Right);
         let hand = RehearsedHand::new(stage.session(), &what.human, 1e-9 * TICK_NS as f64)?;
         let out = Outcome {
-            fingers: [Felt::default(); DIGITS],
+            fingers: [FingerOutcome::default(); DIGITS],
             largest: [0.0; 2],
             felt: 0.0,
             stiffness: 0.0,

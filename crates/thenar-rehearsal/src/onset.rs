@@ -1,6 +1,6 @@
 //! Stiffness of a coupling at which a hand begins to hum: in the product's own loop, and by theory.
 
-use crate::{Human, Outcome, Rehearsal, RehearsalError};
+use crate::{FingerImpedance, Outcome, Rehearsal, RehearsalError};
 use std::f64::consts::PI;
 use thenar_scene::session::Session;
 use thenar_touch::{LoopProfile, MARGIN};
@@ -31,8 +31,8 @@ pub struct Onset {
 /// The stiffest spring that acts late by `delay` \[s\] on which such a finger comes to rest
 /// \[N/m\]: on `m x" + b x' + k x = -K x(t - τ)` with a swing of ω that goes on, `b ω = K sin ωτ`
 /// and `k - m ω² + b ω cot ωτ = 0`. For slow swings that is `b/τ`.
-pub fn late_spring_onset(human: &Human, delay: f64) -> f64 {
-    let Human { mass, damping, stiffness } = *human;
+pub fn late_spring_onset(human: &FingerImpedance, delay: f64) -> f64 {
+    let FingerImpedance { mass, damping, stiffness } = *human;
     let left = |angle: f64| {
         let swing = angle / delay;
         stiffness - mass * swing * swing + damping * swing / angle.tan()
@@ -116,7 +116,7 @@ mod tests {
         for (mass, damping, stiffness, ticks) in
             [(0.05, 1.0, 50.0, 200), (0.02, 1.0, 500.0, 100), (0.2, 3.0, 100.0, 500)]
         {
-            let human = Human { mass, damping, stiffness };
+            let human = FingerImpedance { mass, damping, stiffness };
             let h = 1e-4;
             let want = late_spring_onset(&human, h * (f64::from(ticks) + 0.5));
             let flow = Flow::new(&human, h);
@@ -136,7 +136,7 @@ mod tests {
             };
             assert!(!grows(0.99 * want) && grows(1.01 * want), "{human:?}: {want} N/m");
         }
-        let slow = Human { mass: 1e-3, damping: 10.0, stiffness: 0.0 };
+        let slow = FingerImpedance { mass: 1e-3, damping: 10.0, stiffness: 0.0 };
         let onset = late_spring_onset(&slow, 0.01);
         // Without mass and spring the swing goes a quarter of a turn in τ: half π times b/τ.
         assert!((onset / (0.5 * PI * 1000.0) - 1.0).abs() < 0.01, "{onset} N/m");

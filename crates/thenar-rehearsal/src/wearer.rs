@@ -11,7 +11,7 @@ use thenar_track::live::{LiveError, LiveHand, LivePose};
 
 /// Mass \[kg\], damping \[N s/m\] and stiffness \[N/m\] at a fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Human {
+pub struct FingerImpedance {
     /// Mass \[kg\].
     pub mass: f64,
     /// Damping \[N s/m\].
@@ -41,7 +41,7 @@ pub struct Flow {
 
 impl Flow {
     /// The flow of such a finger over `h` \[s\].
-    pub fn new(human: &Human, h: f64) -> Self {
+    pub fn new(human: &FingerImpedance, h: f64) -> Self {
         let [damping, stiffness] =
             [human.damping * h, human.stiffness * h * h].map(|x| x / human.mass);
         #[rustfmt::skip]
@@ -65,7 +65,7 @@ impl Finger {
 
 /// A hand of five such fingers.
 pub(super) struct RehearsedHand {
-    human: Human,
+    human: FingerImpedance,
     flow: Flow,
     live: LiveHand,
     motion: Option<HandMotion>,
@@ -88,7 +88,7 @@ pub(super) struct RehearsedHand {
 
 impl RehearsedHand {
     /// A hand of such fingers, which move in steps of `h` \[s\].
-    pub fn new(session: &Session, human: &Human, h: f64) -> Result<Self, LiveError> {
+    pub fn new(session: &Session, human: &FingerImpedance, h: f64) -> Result<Self, LiveError> {
         let mut live = session.live_hand(0)?;
         let model = &session.hands()[0].model;
         let targets = session.input().targets[bones(session)].to_vec();
@@ -183,7 +183,7 @@ mod tests {
     fn fingers_move_as_they_should() {
         for (mass, damping, stiffness) in [(0.02, 1.0, 500.0), (0.05, 1.0, 50.0), (2.0, 1.0, 50.0)]
         {
-            let human = Human { mass, damping, stiffness };
+            let human = FingerImpedance { mass, damping, stiffness };
             let mut finger = Finger::default();
             let decay: f64 = damping / (2.0 * mass);
             let rate = (stiffness / mass - decay * decay).sqrt();
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn fingers_in_honey_creep() {
         for stiffness in [0.0, 1e-3] {
-            let human = Human { mass: 1e-3, damping: 1000.0, stiffness };
+            let human = FingerImpedance { mass: 1e-3, damping: 1000.0, stiffness };
             let flow = Flow::new(&human, 1e-3);
             let mut finger = Finger::default();
             (0..1000).for_each(|_| finger.advance(&flow, 2.0));
@@ -210,7 +210,7 @@ mod tests {
             assert!((finger.speed - 2e-3).abs() < 1e-8, "{finger:?}");
         }
         // Light and on the stiffest spring: at rest at f/k.
-        let human = Human { mass: 1e-3, damping: 300.0, stiffness: 1e5 };
+        let human = FingerImpedance { mass: 1e-3, damping: 300.0, stiffness: 1e5 };
         let flow = Flow::new(&human, 1e-3);
         let mut finger = Finger::default();
         (0..1000).for_each(|_| finger.advance(&flow, 2.0));

@@ -25,16 +25,16 @@ pub struct Progress {
     pub steps: usize,
 }
 
-type Slot = Box<dyn FnMut(Progress) -> bool>;
+type ProgressCallback = Box<dyn FnMut(Progress) -> bool>;
 
 thread_local! {
-    static WATCH: RefCell<Option<Slot>> = const { RefCell::new(None) };
+    static WATCH: RefCell<Option<ProgressCallback>> = const { RefCell::new(None) };
 }
 
 /// Takes the watch away again, also when the work panics.
-struct Ended(Option<Slot>);
+struct WatchGuard(Option<ProgressCallback>);
 
-impl Drop for Ended {
+impl Drop for WatchGuard {
     fn drop(&mut self) {
         WATCH.with(|slot| *slot.borrow_mut() = self.0.take());
     }
@@ -44,7 +44,7 @@ impl Drop for Ended {
 /// beginning and some hundred times while it lasts. When `watch` returns false, the builder ends
 /// with [`RigError::Stopped`].
 pub fn watched<T>(watch: impl FnMut(Progress) -> bool + 'static, work: impl FnOnce() -> T) -> T {
-    let _ended = Ended(WATCH.with(|slot| slot.borrow_mut().replace(Box::new(watch))));
+    let _ended = WatchGuard(WATCH.with(|slot| slot.borrow_mut().replace(Box::new(watch))));
     work()
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use thenar_core::{Pose, Vec3};
 use thenar_record::{Field, Header, Recorder};
 use thenar_scene::live::LivePose;
-use thenar_scene::recording::{SessionTape, TimeOf};
+use thenar_scene::recording::{SessionWriter, TimeOf};
 use thenar_scene::session::Session;
 use thenar_testing::allocations;
 
@@ -38,8 +38,8 @@ fn a_recorded_step_and_a_record_allocate_nothing() {
     let _ = std::fs::remove_file(&file);
     let mut recorder = Recorder::create(&file, &Header::default()).unwrap();
     let mut session = Session::from_text(SCENE, Path::new("test.toml"), &[]).unwrap();
-    let tape = SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Clock, 0.05);
-    session.set_witness(Box::new(tape));
+    let writer = SessionWriter::new(recorder.session(), recorder.clock(), TimeOf::Clock, 0.05);
+    session.set_witness(Box::new(writer));
     let mut channel = recorder.channel("ticks", &[Field::new("force", "N")], 1000);
     let radii = [0.01; 25];
     let mut pose = LivePose::Joints { joints: [Pose::identity(); 25], radii };

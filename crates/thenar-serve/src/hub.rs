@@ -44,9 +44,9 @@ impl Event {
     }
 }
 
-/// A remark to one client.
+/// A notice to one client.
 #[derive(Clone, Debug)]
-pub struct ClientNote {
+pub struct ClientNotice {
     /// Whom it is for.
     pub client: ClientId,
     /// JSON text.
@@ -66,9 +66,9 @@ pub struct SceneName {
 
 /// Number of each client's messages that wait.
 #[derive(Debug)]
-struct Shares([AtomicU32; SHARES]);
+struct PendingCounts([AtomicU32; SHARES]);
 
-impl Shares {
+impl PendingCounts {
     fn of(&self, client: ClientId) -> &AtomicU32 {
         &self.0[client.0 as usize % SHARES]
     }
@@ -100,15 +100,15 @@ pub struct Hub {
     /// Newest status of the devices; empty where there are none.
     pub touch: watch::Receiver<String>,
     devices: Option<DeadMan>,
-    notes: broadcast::Sender<ClientNote>,
+    notes: broadcast::Sender<ClientNotice>,
     inbox: Sender<Event>,
-    shares: Arc<Shares>,
+    pending_counts: Arc<PendingCounts>,
     scenes: Arc<[SceneName]>,
 }
 
 /// The simulation's end.
 #[derive(Debug)]
-pub struct Desk {
+pub struct HubEndpoint {
     /// The newest model message.
     pub model: watch::Sender<Bytes>,
     /// The newest snapshot message.
@@ -117,9 +117,9 @@ pub struct Desk {
     pub status: watch::Sender<String>,
     /// Newest status of the devices.
     pub touch: watch::Sender<String>,
-    notes: broadcast::Sender<ClientNote>,
+    notes: broadcast::Sender<ClientNotice>,
     inbox: Receiver<Event>,
-    shares: Arc<Shares>,
+    pending_counts: Arc<PendingCounts>,
 }
 
 /// Why an event was not taken.
@@ -134,19 +134,19 @@ pub enum Refused {
 }
 
 /// Two ends that belong together, without scenes to choose from.
-pub fn pair() -> (Hub, Desk) {
+pub fn pair() -> (Hub, HubEndpoint) {
     pair_with(Vec::new())
 }
 
 /// Two ends that belong together; clients may choose between `scenes`.
-pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
+pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, HubEndpoint) {
     let (model_in, model) = watch::channel(Bytes::new());
     let (snapshot_in, snapshot) = watch::channel(Bytes::new());
     let (status_in, status) = watch::channel(String::new());
     let (touch_in, touch) = watch::channel(String::new());
     let (notes, _) = broadcast::channel(256);
     let (sender, inbox) = channel();
-    let shares = Arc::new(Shares(std::array::from_fn(|_| AtomicU32::new(0))));
+    let pending_counts = Arc::new(PendingCounts(std::array::from_fn(|_| AtomicU32::new(0))));
     let hub = Hub {
         model,
         snapshot,
@@ -155,11 +155,11 @@ pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
         devices: None,
         notes: notes.clone(),
         inbox: sender,
-        shares: shares.clone(),
+        pending_counts: pending_counts.clone(),
         scenes: scenes.into(),
     };
     let (model, snapshot, status) = (model_in, snapshot_in, status_in);
-    (hub, Desk { model, snapshot, status, touch: touch_in, notes, inbox, shares })
+    (hub, HubEndpoint { model, snapshot, status, touch: touch_in, notes, inbox, pending_counts })
 }
 
 impl Hub {
@@ -193,14 +193,14 @@ impl Hub {
             devices.leave(*client);
         }
         let sender = event.sender();
-        if sender.is_some_and(|client| !self.shares.take(client)) {
+        if sender.is_some_and(|client| !self.pending_counts.take(client)) {
             return Err(Refused::Busy);
         }
         self.inbox.send(event).map_err(|_| Refused::Ended)
     }
 
     /// Remarks to clients from now on; each connection picks its own.
-    pub fn notes(&self) -> broadcast::Receiver<ClientNote> {
+    pub fn notes(&self) -> broadcast::Receiver<ClientNotice> {
         self.notes.subscribe()
     }
 
@@ -210,7 +210,7 @@ impl Hub {
     }
 }
 
-impl Desk {
+impl HubEndpoint {
     /// The next event, if one waits.
     pub fn next(&self) -> Option<Event> {
         self.inbox.try_recv().ok().inspect(|event| self.took(event))
@@ -233,7 +233,7 @@ impl Desk {
 
     fn took(&self, event: &Event) {
         if let Some(client) = event.sender() {
-            self.shares.give_back(client);
+            self.pending_counts.give_back(client);
         }
     }
 
@@ -250,16 +250,16 @@ impl Desk {
 
     /// Remarks something to a client.
     pub fn tell(&self, client: ClientId, text: String) {
-        self.note(ClientNote { client, text, refusal: false });
+        self.note(ClientNotice { client, text, refusal: false });
     }
 
     /// Refuses what a client sent.
     pub fn refuse(&self, client: ClientId, reason: &str) {
-        self.note(ClientNote { client, text: text::error(reason), refusal: true });
+        self.note(ClientNotice { client, text: text::error(reason), refusal: true });
     }
 
-    /// Hands a remark to the client that it is for.
-    pub fn note(&self, note: ClientNote) {
+    /// Hands a notice to the client that it is for.
+    pub fn note(&self, note: ClientNotice) {
         // Nobody listening is fine: the client has left.
         let _ = self.notes.send(note);
     }
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn a_flood_fills_its_own_share_only_and_joining_is_never_refused() {
-        let (hub, desk) = pair();
+        let (hub, endpoint) = pair();
         let (loud, calm) = (ClientId(1), ClientId(2));
         let text = |client| Event::Text(client, "{}".into());
         let taken = (0..10_000).filter(|_| hub.submit(text(loud)).is_ok()).count();
@@ -281,21 +281,21 @@ mod tests {
         assert_eq!(hub.submit(Event::Left(loud)), Ok(()));
         // Order is kept, and places come back as messages are taken.
         for _ in 0..64 {
-            assert_eq!(desk.next(), Some(text(loud)));
+            assert_eq!(endpoint.next(), Some(text(loud)));
         }
-        assert_eq!(desk.next(), Some(text(calm)));
-        assert_eq!(desk.next(), Some(Event::Left(loud)));
-        assert_eq!(desk.next(), None);
+        assert_eq!(endpoint.next(), Some(text(calm)));
+        assert_eq!(endpoint.next(), Some(Event::Left(loud)));
+        assert_eq!(endpoint.next(), None);
         assert_eq!(hub.submit(text(loud)), Ok(()));
     }
 
     #[test]
     fn each_end_learns_that_the_other_has_gone() {
-        let (hub, desk) = pair();
-        drop(desk);
+        let (hub, endpoint) = pair();
+        drop(endpoint);
         assert_eq!(hub.submit(Event::Joined(ClientId(1))), Err(Refused::Ended));
-        let (hub, desk) = pair();
+        let (hub, endpoint) = pair();
         drop(hub);
-        assert_eq!(desk.wait(Duration::from_secs(9)), Err(Refused::Ended));
+        assert_eq!(endpoint.wait(Duration::from_secs(9)), Err(Refused::Ended));
     }
 }

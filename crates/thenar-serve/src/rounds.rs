@@ -4,7 +4,7 @@ use crate::protocol::{Pace, flags};
 use std::time::{Duration, Instant};
 
 /// Longest sleep, so that the end of the program or of a scene's making is not missed.
-pub const NAP: Duration = Duration::from_millis(50);
+pub const SLEEP_MAX: Duration = Duration::from_millis(50);
 /// Statuses are at least so far apart: a slider changes them with every pixel.
 pub const STATUS_EVERY: Duration = Duration::from_millis(40);
 /// Events taken between two looks at the clock.
@@ -17,7 +17,7 @@ const WINDOW: Duration = Duration::from_millis(500);
 /// Slower than this part of the wanted speed is called slow.
 const SLOW: f64 = 0.95;
 /// Least time between notices to a client whose poses move nothing.
-const SCOLD_EVERY: Duration = Duration::from_secs(5);
+const NOTICE_INTERVAL: Duration = Duration::from_secs(5);
 
 /// Speed of simulated or recorded time against real time. Reads no clock itself.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ pub struct Scold(Option<Instant>);
 impl Scold {
     /// True when a notice is due, which is then given.
     pub fn is_due(&mut self, now: Instant) -> bool {
-        let due = self.0.is_none_or(|last| now - last > SCOLD_EVERY);
+        let due = self.0.is_none_or(|last| now - last > NOTICE_INTERVAL);
         if due {
             self.0 = Some(now);
         }

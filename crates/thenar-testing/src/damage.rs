@@ -17,8 +17,8 @@ const EXTREME_WORDS: [&[u8]; 10] = [
 const EXTREME_NUMBERS: [u32; 8] =
     [0, 1, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, 0x7fc0_0000, 0x7f80_0000, 0x00ff_ffff];
 
-/// A copy with one to four kinds of damage: cut, spliced with itself or `other`, or with numbers and
-/// words in it that are extreme.
+/// A copy with one to four kinds of damage: cut, spliced with itself or `other`, or with numbers
+/// and words in it that are extreme.
 pub fn damaged(good: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = good.to_vec();
     for _ in 0..1 + random.below(4) {

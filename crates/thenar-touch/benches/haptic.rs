@@ -6,8 +6,8 @@ use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_touch::safety::{Bank, Limits, Signal};
 use thenar_touch::shared::{Condensed, CondensedContact, SharedConstraints};
 use thenar_touch::{
-    CouplingDesign, HandSettings, HapticHand, Proxies, Proxy, RigidState, SlowToFast, Tie, Touch,
-    TouchMode,
+    BoneFrame, BoneJoint, CouplingDesign, HandSettings, HapticHand, Proxies, Proxy, ProxyMode,
+    RigidState, Touch,
 };
 
 fn main() {
@@ -55,7 +55,7 @@ fn whole_tick_multirate(bencher: Bencher) {
     let (_, tracked, bones) = hand();
     let mut hand = HapticHand::new(HandSettings::default(), vec![proxy(); BONES], &bones, 0)
         .expect("the bench's own hand");
-    let mut frame = SlowToFast::new(&bones, 0);
+    let mut frame = BoneFrame::new(&bones, 0);
     let mut now = 0;
     bencher.bench_local(|| {
         now += 1_000_000;
@@ -121,12 +121,17 @@ fn shared_constraints(bencher: Bencher, contacts: usize) {
 #[divan::bench(args = [0, 15])]
 fn whole_tick_shared(bencher: Bencher, joints: usize) {
     let (_, tracked, bones) = hand();
-    let settings = HandSettings { mode: TouchMode::SharedConstraints, ..HandSettings::default() };
+    let settings = HandSettings { mode: ProxyMode::SharedConstraints, ..HandSettings::default() };
     let mut hand =
         HapticHand::new(settings, vec![proxy(); BONES], &bones, 10).expect("the bench's own hand");
     let [at_parent, at_child] = [Vec3::x() * 0.01, Vec3::x() * -0.01];
-    hand.tie((1..=joints).map(|child| Tie { parent: child - 1, child, at_parent, at_child }));
-    let mut frame = SlowToFast::new(&bones, 10);
+    hand.set_joints((1..=joints).map(|child| BoneJoint {
+        parent: child - 1,
+        child,
+        at_parent,
+        at_child,
+    }));
+    let mut frame = BoneFrame::new(&bones, 10);
     frame.response = pressed(10, &bones);
     let mut now = 0;
     bencher.bench_local(|| {

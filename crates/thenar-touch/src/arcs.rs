@@ -29,7 +29,7 @@
 
 use crate::shared::SharedConstraints;
 use crate::turn::rotation_vector;
-use crate::{RigidState, SlowToFast};
+use crate::{BoneFrame, RigidState};
 use thenar_core::model::Drive;
 use thenar_core::{Pose, Quat, Vec3};
 
@@ -38,7 +38,7 @@ const FARTHEST: f64 = 0.5;
 
 /// A joint of two bones: its place in the frame of each \[m\].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Tie {
+pub struct BoneJoint {
     /// The bone nearer to the palm; its number is lower.
     pub parent: usize,
     /// The bone that the joint leads.
@@ -113,7 +113,7 @@ impl Settled {
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Arcs {
     /// Parents first, one for each child.
-    ties: Vec<Tie>,
+    joints: Vec<BoneJoint>,
     turns: Vec<Turn>,
     /// Turn from each bone to its target in the frame \[rad\].
     leads: Vec<Vec3>,
@@ -132,7 +132,7 @@ impl Arcs {
     pub fn new(bones: usize) -> Self {
         let none = vec![Vec3::zeros(); bones];
         Self {
-            ties: Vec::with_capacity(bones),
+            joints: Vec::with_capacity(bones),
             turns: vec![Turn::between(Quat::identity(), Quat::identity()); bones],
             leads: none.clone(),
             off: none.clone(),
@@ -144,19 +144,19 @@ impl Arcs {
 
     /// Takes these joints. Of those between bones that there are, with the parent's number below
     /// the child's, the first of each child counts.
-    pub fn tie(&mut self, joints: impl IntoIterator<Item = Tie>) {
-        self.ties.clear();
-        for tie in joints {
-            let tied = self.ties.iter().any(|other| other.child == tie.child);
-            if tie.parent < tie.child && tie.child < self.turns.len() && !tied {
-                self.ties.push(tie);
+    pub fn set_joints(&mut self, joints: impl IntoIterator<Item = BoneJoint>) {
+        self.joints.clear();
+        for joint in joints {
+            let tied = self.joints.iter().any(|other| other.child == joint.child);
+            if joint.parent < joint.child && joint.child < self.turns.len() && !tied {
+                self.joints.push(joint);
             }
         }
-        self.ties.sort_by_key(|tie| tie.child);
+        self.joints.sort_by_key(|joint| joint.child);
     }
 
     /// Starts from a new frame.
-    pub fn begin(&mut self, frame: &SlowToFast) {
+    pub fn begin(&mut self, frame: &BoneFrame) {
         let both = frame.bones.iter().zip(&frame.response.targets);
         for (lead, (bone, target)) in self.leads.iter_mut().zip(both) {
             *lead = between(target.pose_WB.rotation, bone.pose_WB.rotation);
@@ -164,25 +164,25 @@ impl Arcs {
     }
 
     /// True if there are joints, and frame and lists are of the hand's size.
-    fn fits(&self, frame: &SlowToFast, bones: usize) -> bool {
+    fn fits(&self, frame: &BoneFrame, bones: usize) -> bool {
         let all = self.turns.len();
         let known = frame.bones.len() == all && frame.response.springs.len() == all;
-        !self.ties.is_empty() && known && bones == all
+        !self.joints.is_empty() && known && bones == all
     }
 
     /// Notes how bones at these rotations have turned, and how far they are from their tangents.
-    fn turn(&mut self, frame: &SlowToFast, rotations: impl Iterator<Item = Quat>) {
+    fn turn(&mut self, frame: &BoneFrame, rotations: impl Iterator<Item = Quat>) {
         let both = frame.bones.iter().zip(rotations);
         for (turn, (was, now)) in self.turns.iter_mut().zip(both) {
             *turn = Turn::between(was.pose_WB.rotation, now);
         }
         self.off.fill(Vec3::zeros());
-        for tie in &self.ties {
-            let [_, parent] = self.turns[tie.parent].of_arm(&tie.at_parent);
-            let [_, child] = self.turns[tie.child].of_arm(&tie.at_child);
+        for joint in &self.joints {
+            let [_, parent] = self.turns[joint.parent].of_arm(&joint.at_parent);
+            let [_, child] = self.turns[joint.child].of_arm(&joint.at_child);
             let more = parent - child;
             let more = if more.iter().all(|x| x.is_finite()) { more } else { Vec3::zeros() };
-            self.off[tie.child] = self.off[tie.parent] + more;
+            self.off[joint.child] = self.off[joint.parent] + more;
         }
     }
 
@@ -190,7 +190,7 @@ impl Arcs {
     /// these.
     pub fn bend(
         &mut self,
-        frame: &SlowToFast,
+        frame: &BoneFrame,
         proxies: &[RigidState],
         settled: &[Settled],
         shared: &mut SharedConstraints,
@@ -209,13 +209,13 @@ impl Arcs {
             }
         }
         self.torques.fill(Vec3::zeros());
-        for tie in self.ties.iter().rev() {
-            let force = self.forces[tie.child];
-            let [parent, _] = self.turns[tie.parent].of_arm(&tie.at_parent);
-            let [child, _] = self.turns[tie.child].of_arm(&tie.at_child);
-            self.torques[tie.parent] += parent.cross(&force);
-            self.torques[tie.child] -= child.cross(&force);
-            self.forces[tie.parent] += force;
+        for joint in self.joints.iter().rev() {
+            let force = self.forces[joint.child];
+            let [parent, _] = self.turns[joint.parent].of_arm(&joint.at_parent);
+            let [child, _] = self.turns[joint.child].of_arm(&joint.at_child);
+            self.torques[joint.parent] += parent.cross(&force);
+            self.torques[joint.child] -= child.cross(&force);
+            self.forces[joint.parent] += force;
         }
         for (i, proxy) in proxies.iter().enumerate() {
             let target = response.targets[i].pose_WB.rotation;
@@ -234,7 +234,7 @@ impl Arcs {
     /// arcs; `settled` follows them.
     pub fn place(
         &mut self,
-        frame: &SlowToFast,
+        frame: &BoneFrame,
         (proxies, shared): (&[RigidState], &SharedConstraints),
         h: f64,
         settled: &mut [Settled],
@@ -285,10 +285,10 @@ impl Arcs {
             if counts { leaves } else { Vec3::zeros() }
         };
         self.leaving.fill(Vec3::zeros());
-        for tie in &self.ties {
-            let parent = leaves(&self.turns[tie.parent], &bones[tie.parent], &tie.at_parent);
-            let child = leaves(&self.turns[tie.child], &bones[tie.child], &tie.at_child);
-            self.leaving[tie.child] = self.leaving[tie.parent] + parent - child;
+        for joint in &self.joints {
+            let parent = leaves(&self.turns[joint.parent], &bones[joint.parent], &joint.at_parent);
+            let child = leaves(&self.turns[joint.child], &bones[joint.child], &joint.at_child);
+            self.leaving[joint.child] = self.leaving[joint.parent] + parent - child;
         }
     }
 }

@@ -18,14 +18,14 @@ fn turned(angle: f64) -> Quat {
 }
 
 /// A finger of two bones of 60 mm, the second on a joint at the end of the first.
-fn two_bones() -> (SlowToFast, Arcs) {
+fn two_bones() -> (BoneFrame, Arcs) {
     let at = |x: f64| RigidState::at_rest(Pose::translation(x, 0.0, 0.0));
-    let mut frame = SlowToFast::new(&[at(0.0), at(0.06)], 0);
+    let mut frame = BoneFrame::new(&[at(0.0), at(0.06)], 0);
     frame.response.springs = vec![drive(100.0, 0.0); 2];
     frame.response.targets = frame.bones.clone();
     let mut arcs = Arcs::new(2);
     let [at_parent, at_child] = [Vec3::x() * 0.03, Vec3::x() * -0.03];
-    arcs.tie([Tie { parent: 0, child: 1, at_parent, at_child }]);
+    arcs.set_joints([BoneJoint { parent: 0, child: 1, at_parent, at_child }]);
     (frame, arcs)
 }
 
@@ -76,22 +76,22 @@ fn bones_that_turn_farther_count_as_turned_by_half_a_radian() {
 #[test]
 fn bad_input_bends_nothing() {
     let (frame, mut arcs) = two_bones();
-    let tie = arcs.ties[0];
-    arcs.tie([
-        Tie { parent: 1, child: 0, ..tie },
-        Tie { parent: 1, child: 2, ..tie },
-        Tie { parent: 1, child: 1, ..tie },
-        tie,
-        Tie { at_parent: Vec3::zeros(), ..tie },
+    let joint = arcs.joints[0];
+    arcs.set_joints([
+        BoneJoint { parent: 1, child: 0, ..joint },
+        BoneJoint { parent: 1, child: 2, ..joint },
+        BoneJoint { parent: 1, child: 1, ..joint },
+        joint,
+        BoneJoint { at_parent: Vec3::zeros(), ..joint },
     ]);
-    assert_eq!(arcs.ties, [tie]);
+    assert_eq!(arcs.joints, [joint]);
     let poses = [Pose::identity(), turned_child(0.3)];
     let (proxies, settled) = (poses.map(RigidState::at_rest), poses.map(Settled::at));
     let mut shared = bent_at_joint(0.3);
     arcs.bend(&frame, &proxies[..1], &settled, &mut shared);
     assert_eq!(shared.bent(1), [Vec3::zeros(); 2]);
     shared = bent_at_joint(0.3);
-    arcs.bend(&SlowToFast::new(&proxies[..1], 0), &proxies, &settled, &mut shared);
+    arcs.bend(&BoneFrame::new(&proxies[..1], 0), &proxies, &settled, &mut shared);
     assert_eq!(shared.bent(1), [Vec3::zeros(); 2]);
     let none = Quat::from_scaled_axis(Vec3::z() * f64::NAN);
     let lost = [poses[0], Pose::new(poses[1].position, none)];
@@ -243,7 +243,7 @@ impl Finger {
 
     /// Returns a frame of the finger in balance, bent as `s`, led by targets this far from its
     /// bones that hold it.
-    fn frame(&self, s: &Angles, away: &[Vec3; 4]) -> SlowToFast {
+    fn frame(&self, s: &Angles, away: &[Vec3; 4]) -> BoneFrame {
         let tangents = Self::tangents(s);
         let mut stiffness = DMatrix::zeros(N, N);
         for i in 0..4 {
@@ -262,7 +262,7 @@ impl Finger {
             pull += &row * (self.joints * (s[i] - s[i - 1]));
         }
         let bones = Self::poses(s).map(RigidState::at_rest);
-        let mut frame = SlowToFast::new(&bones, 0);
+        let mut frame = BoneFrame::new(&bones, 0);
         let response = &mut frame.response;
         response.springs = vec![self.coupling; 4];
         for (i, way) in away.iter().enumerate() {
@@ -312,15 +312,20 @@ fn ticks_come_to_rest_where_the_energy_has_no_slope() {
                 let proxies = Finger::poses(&led);
                 let states = proxies.map(RigidState::at_rest);
                 let mut arcs = Arcs::new(4);
-                arcs.tie((0..3).map(|i| {
+                arcs.set_joints((0..3).map(|i| {
                     let half = |i: usize| Vec3::x() * (0.5 * LENGTHS[i]);
-                    Tie { parent: i, child: i + 1, at_parent: half(i), at_child: -half(i + 1) }
+                    BoneJoint {
+                        parent: i,
+                        child: i + 1,
+                        at_parent: half(i),
+                        at_child: -half(i + 1),
+                    }
                 }));
                 let mut shared = SharedConstraints::new(4, 0);
                 shared.begin(&frame.response);
                 let mut settled = Finger::poses(&start).map(Settled::at);
                 let mut bones = frame.bones.clone();
-                let mut tick = |frame: &SlowToFast,
+                let mut tick = |frame: &BoneFrame,
                                 states: &[RigidState],
                                 shared: &mut SharedConstraints| {
                     let before = settled.map(|bone| bone.pose_WB);

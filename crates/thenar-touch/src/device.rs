@@ -6,7 +6,7 @@ use crate::{HandOutput, HandSample, LoopProfile, Rendering, TrackerTiming};
 use thenar_core::model::Side;
 
 /// Asks a device what there is to tell a person, without having the device in hand.
-pub type Messenger = Box<dyn FnMut() -> Vec<String> + Send>;
+pub type MessageSource = Box<dyn FnMut() -> Vec<String> + Send>;
 
 /// Presence of a device: reached or not, and when it was last heard.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub struct Presence {
 
 /// Asks whether devices are there, without having them in hand; one that has no line, such as a
 /// recording, is left out.
-pub type Lookout = Box<dyn FnMut() -> Vec<Presence> + Send>;
+pub type PresenceCheck = Box<dyn FnMut() -> Vec<Presence> + Send>;
 
 /// Tells where hands are.
 pub trait Tracker: Send {
@@ -48,11 +48,11 @@ pub trait Tracker: Send {
     fn messages(&mut self) -> Vec<String>;
 
     /// Tells the same on another thread, while this one is in the loop.
-    fn messenger(&self) -> Messenger {
+    fn message_source(&self) -> MessageSource {
         Box::new(Vec::new)
     }
     /// Tells whether it is there, while it is in the loop.
-    fn lookout(&self) -> Lookout {
+    fn presence_check(&self) -> PresenceCheck {
         Box::new(Vec::new)
     }
 }
@@ -84,12 +84,12 @@ pub trait ForceDisplay: Send {
     /// Returns messages for a person, as trackers do.
     fn messages(&mut self) -> Vec<String>;
 
-    /// Returns a messenger, as trackers do.
-    fn messenger(&self) -> Messenger {
+    /// Returns a message source, as trackers do.
+    fn message_source(&self) -> MessageSource {
         Box::new(Vec::new)
     }
     /// Tells whether it is there, while it is in the loop.
-    fn lookout(&self) -> Lookout {
+    fn presence_check(&self) -> PresenceCheck {
         Box::new(Vec::new)
     }
 }

@@ -21,12 +21,12 @@ use crate::RigidState;
 use crate::turn::rotation_vector;
 use std::ops::Range;
 use thenar_core::math::{Pose, Quat, Vec3};
-use thenar_core::world::{Alone, Input, ModelError, State, Target, World};
+use thenar_core::world::{Input, ModelError, State, SubWorld, Target, World};
 
 /// A hand of a world, in empty air.
 #[derive(Clone, Debug)]
 pub struct EmptyAirHand {
-    alone: Alone,
+    sub_world: SubWorld,
     input: Input,
     weightless: bool,
 }
@@ -38,14 +38,14 @@ impl EmptyAirHand {
     /// # Errors
     /// Its bones cannot be taken out of the world.
     pub fn of(world: &World, bones: Range<u32>, weightless: bool) -> Result<Self, ModelError> {
-        let alone = world.alone(bones)?;
-        let input = alone.input();
-        Ok(Self { alone, input, weightless })
+        let sub_world = world.sub_world(bones)?;
+        let input = sub_world.input();
+        Ok(Self { sub_world, input, weightless })
     }
 
     /// Goes on from where the hand is in a state of the whole world.
     pub fn resume(&mut self, whole: &State) {
-        self.alone.resume(whole);
+        self.sub_world.resume(whole);
     }
 
     /// Takes over the parameters that its world has now, and goes on from where it is. Allocates.
@@ -53,30 +53,30 @@ impl EmptyAirHand {
     /// # Errors
     /// It is another world by now.
     pub fn retune(&mut self, world: &World) -> Result<(), ModelError> {
-        self.alone.retune(world)
+        self.sub_world.retune(world)
     }
 
     /// One step of `h` \[s\] to these targets. What else acts in the whole world acts here but for
     /// contact and loads: wrenches on the bones.
     pub fn step(&mut self, h: f64, targets: impl Iterator<Item = Option<Target>>, whole: &Input) {
-        let Self { alone, input, weightless } = self;
-        alone.copy_input(whole, input);
+        let Self { sub_world, input, weightless } = self;
+        sub_world.copy_input(whole, input);
         input.targets.iter_mut().zip(targets).for_each(|(to, target)| *to = target);
         if *weightless {
-            for (wrench, bone) in input.wrenches.iter_mut().zip(&alone.world().model().rigids) {
+            for (wrench, bone) in input.wrenches.iter_mut().zip(&sub_world.world().model().rigids) {
                 wrench[0] = Vec3::zeros() - input.gravity * bone.mass;
             }
         }
-        alone.step(h, input);
+        sub_world.step(h, input);
     }
 
     /// Bone `i`, counted from the hand's first.
     pub fn bone(&self, i: usize) -> RigidState {
-        RigidState::of(self.alone.world(), i as u32)
+        RigidState::of(self.sub_world.world(), i as u32)
     }
 
     /// All bones, into a frame.
-    pub fn publish(&self, to: &mut Vec<RigidState>) {
+    pub fn write_bones(&self, to: &mut Vec<RigidState>) {
         to.clear();
         to.extend((0..self.input.targets.len()).map(|i| self.bone(i)));
     }
@@ -101,7 +101,7 @@ impl Held {
 
 #[cfg(test)]
 mod tests {
-    use crate::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch};
+    use crate::{BoneFrame, CouplingDesign, HandSettings, HapticHand, RigidState, Touch};
     use thenar_core::math::{Mat3, Pose, Vec3};
 
     /// Contact holds a bone 5 mm off for some frames, which tell of the hand in empty air; then
@@ -113,7 +113,7 @@ mod tests {
         let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
         let mut hand =
             HapticHand::new(HandSettings::default(), vec![proxy], &[at(0.0)], 0).unwrap();
-        let mut frame = SlowToFast::new(&[at(0.0)], 0);
+        let mut frame = BoneFrame::new(&[at(0.0)], 0);
         let mut run = |free: Option<RigidState>, bone: RigidState, from: u64| {
             for ms in from..from + 1500 {
                 frame.free.clear();

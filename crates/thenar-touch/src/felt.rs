@@ -34,7 +34,7 @@ pub struct FeltBounds {
 
 /// Stiffness that one hand is felt with, by what its trackers and its frames do.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct Felt {
+pub struct FeltStiffness {
     bounds: FeltBounds,
     /// Stiffness felt of each blocked bone through its couplings alone \[N/m\].
     couplings: Vec<f64>,
@@ -52,7 +52,7 @@ pub struct Felt {
     spring: FeltSpring,
 }
 
-impl Felt {
+impl FeltStiffness {
     /// A hand whose tracker is not known yet.
     pub fn new(bounds: FeltBounds, couplings: Vec<f64>) -> Self {
         let (meter, stated) = Default::default();
@@ -180,7 +180,7 @@ mod tests {
     /// little.
     #[test]
     fn stiffness_is_cut_to_the_rule() {
-        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0, 3.0]);
+        let mut felt = FeltStiffness::new(bounds(Some(1.0)), vec![400.0, 3.0]);
         for k in 0..300_u64 {
             let time_ns = k * 1_000_000_000 / 90;
             felt.hear(time_ns, time_ns + 40_000_000, None);
@@ -204,7 +204,7 @@ mod tests {
         assert!(felt.stiffness(0) > 2.0 * rule);
         // To one at once nearly all of its 10 ms.
         assert!((felt.delay(0) - 0.5e-3 - (0.01 - 0.3 * 0.5e-3) - 6e-3).abs() < 1e-5);
-        let mut all = Felt::new(bounds(None), vec![400.0]);
+        let mut all = FeltStiffness::new(bounds(None), vec![400.0]);
         all.hear(0, 40_000_000, Some(TrackerTiming::HEADSET));
         all.step(1e-3, 0.0, |_, _| 0.1);
         assert_eq!(all.part(0), 1.0);
@@ -214,7 +214,7 @@ mod tests {
     /// are in the delay that bounds stiffness, and not in that.
     #[test]
     fn guards_do_not_reckon_with_frames() {
-        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
+        let mut felt = FeltStiffness::new(bounds(Some(1.0)), vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.01, noise: 0.0 }));
         felt.step(1e-3, 0.0, |_, observed| observed + 0.05);
         assert!((felt.seen_late() - 0.015).abs() < 1e-12, "{} s", felt.seen_late());
@@ -225,7 +225,7 @@ mod tests {
     /// from what no delay would allow; and likewise for the next tracker of the hand.
     #[test]
     fn what_is_felt_begins_with_the_trackers_delay() {
-        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
+        let mut felt = FeltStiffness::new(bounds(Some(1.0)), vec![400.0]);
         (0..500).for_each(|_| felt.step(1e-3, 0.0, |_, _| 6e-3));
         for timing in [TrackerTiming::HEADSET, TrackerTiming::GLOVE, TrackerTiming::HEADSET] {
             felt.forget();
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn a_delay_that_is_no_number_bears_nothing() {
         let mut bounds = bounds(Some(1.0));
-        let mut felt = Felt::new(bounds, vec![400.0]);
+        let mut felt = FeltStiffness::new(bounds, vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming { rate: 0.0, latency: 0.0, noise: 0.0 }));
         felt.step(1e-3, 0.0, |_, _| 6e-3);
         assert_eq!(felt.part(0), 0.0);
@@ -250,7 +250,7 @@ mod tests {
         let most = MARGIN / (0.5e-3 + TrackerTiming::GLOVE.delay() + 6e-3);
         assert!((felt.stiffness(0) / most - 1.0).abs() < 1e-9, "{} N/m", felt.stiffness(0));
         bounds.profile.delay = f64::NAN;
-        let mut felt = Felt::new(bounds, vec![400.0]);
+        let mut felt = FeltStiffness::new(bounds, vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming::GLOVE));
         felt.step(1e-3, 0.0, |_, _| 6e-3);
         assert_eq!(felt.part(0), 0.0);
@@ -262,7 +262,7 @@ mod tests {
     /// second, and each bone by its own delay.
     #[test]
     fn frames_that_become_late_are_felt_softer_at_once() {
-        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0, 400.0]);
+        let mut felt = FeltStiffness::new(bounds(Some(1.0)), vec![400.0, 400.0]);
         let late = |bone: usize, slow: bool| [6e-3, 0.1][usize::from(slow)] * [1.0, 2.0][bone];
         felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.0, noise: 0.0 }));
         (0..100).for_each(|_| felt.step(1e-3, 0.0, |bone, _| late(bone, false)));
@@ -282,7 +282,7 @@ mod tests {
     /// what it delays; once it is gone, what is felt grows again.
     #[test]
     fn noise_is_felt_softer() {
-        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
+        let mut felt = FeltStiffness::new(bounds(Some(1.0)), vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.0, noise: 0.0 }));
         (0..100).for_each(|_| felt.step(1e-3, 0.0, |_, observed| observed));
         let most = |delay: f64| MARGIN / (0.5e-3 + delay);

@@ -1,6 +1,6 @@
 //! One tick of the haptic loop for a whole hand: newest samples in, forces on the wearer out.
 
-use crate::arcs::{Arcs, Settled, Tie};
+use crate::arcs::{Arcs, BoneJoint, Settled};
 use crate::empty_air::Held;
 use crate::late_frames::{of_multirate, of_shared_constraints};
 use crate::led_hand::LedHand;
@@ -8,15 +8,15 @@ use crate::shared::{Resolution, SharedConstraints};
 use crate::smooth::Smooth;
 use crate::turn::rotation_vector;
 use crate::{
-    BLEND, DelayMeter, FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState,
-    SlowToFast, Touch, hold_then_fade, seconds_between,
+    BLEND, BoneFrame, DelayMeter, Prediction, Proxies, Proxy, ProxyError, ProxyReport,
+    ProxyTargets, RigidState, Touch, hold_then_fade, seconds_between,
 };
 use thenar_core::math::Vec3;
 use thenar_core::world::StepReport;
 
 /// Stand-in for the simulated bones between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum TouchMode {
+pub enum ProxyMode {
     /// The frame's bones, carried forward by their velocity (the paper).
     Multirate,
     /// The frame's condensed response, contact resolved every tick; frames without one as
@@ -28,7 +28,7 @@ pub enum TouchMode {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HandSettings {
     /// Between simulation frames.
-    pub mode: TouchMode,
+    pub mode: ProxyMode,
     /// Between frames, in `Multirate`.
     pub simulation: Prediction,
     /// A tick longer than this is stepped as if it were this long \[s\].
@@ -42,7 +42,7 @@ pub struct HandSettings {
 impl Default for HandSettings {
     fn default() -> Self {
         Self {
-            mode: TouchMode::Multirate,
+            mode: ProxyMode::Multirate,
             simulation: Prediction::SIMULATION,
             step_max: 0.02,
             force_tolerance: 1e-3,
@@ -54,11 +54,11 @@ impl Default for HandSettings {
 /// Part of the masses that proxies keep with shared constraints. There bones follow their proxies
 /// without any mass, so that their couplings damp nothing in free air, and a proxy of a palm's mass
 /// would ring on the device coupling.
-const LIGHT: f64 = 0.01;
+const MASS_SCALE: f64 = 0.01;
 /// So far bones are always carried on \[s\]: no more than the proxies lag.
-const ALWAYS: f64 = 0.004;
+const CARRY_TIME: f64 = 0.004;
 /// A frame that is older than this part of a period when it arrives is late.
-const LATE: f64 = 0.75;
+const LATE_AGE: f64 = 0.75;
 
 /// Without a response, what contact did when there last was one is felt for so long, and then fades
 /// within as long again \[s\]: a step that could not be factored is made up for, and what the
@@ -82,7 +82,7 @@ pub struct TickReport {
 
 /// The hand in empty air, whose couplings' forces are not felt.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-struct Free {
+struct EmptyAir {
     proxies: Proxies,
     shared: SharedConstraints,
     settled: Vec<Settled>,
@@ -124,7 +124,7 @@ pub struct HapticHand {
     /// Simulated ends of the couplings in this tick.
     bones: Vec<RigidState>,
     /// Counterpart of this hand in empty air.
-    free: Free,
+    free: EmptyAir,
     /// Action of contact on the wearer, smooth from frame to frame.
     smooth: Smooth,
     /// Wrenches that the wearer feels.
@@ -150,13 +150,13 @@ impl HapticHand {
         // Half of what would just be stable.
         let periods_when_late = 0.5 * least_stable.fold(1.0, f64::min);
         let mut proxies = proxies;
-        if settings.mode == TouchMode::SharedConstraints {
-            proxies.iter_mut().for_each(|proxy| *proxy = proxy.lighter(LIGHT));
+        if settings.mode == ProxyMode::SharedConstraints {
+            proxies.iter_mut().for_each(|proxy| *proxy = proxy.lighter(MASS_SCALE));
         }
         let proxies = Proxies::new(proxies, start)?;
         let settled: Vec<_> =
             proxies.states().iter().map(|state| Settled::at(state.pose_WB)).collect();
-        let free = Free {
+        let free = EmptyAir {
             proxies: proxies.clone(),
             shared: SharedConstraints::in_empty_air(n, contacts_max),
             settled: settled.clone(),
@@ -174,7 +174,7 @@ impl HapticHand {
             frame_heard: None,
             responds: false,
             unanswered: f64::INFINITY,
-            answered: if settings.mode == TouchMode::SharedConstraints { 0.0 } else { 1.0 },
+            answered: if settings.mode == ProxyMode::SharedConstraints { 0.0 } else { 1.0 },
             carried: proxies.states().to_vec(),
             reach: 0.0,
             periods_when_late,
@@ -192,8 +192,8 @@ impl HapticHand {
     /// Keeps these joints closed where bones turn between two frames, by up to half a radian. A
     /// joint whose parent's number is not below its child's is passed over, as is one of a bone
     /// that the hand lacks; of several to one child the first counts.
-    pub fn tie(&mut self, joints: impl IntoIterator<Item = Tie>) {
-        self.arcs.tie(joints);
+    pub fn set_joints(&mut self, joints: impl IntoIterator<Item = BoneJoint>) {
+        self.arcs.set_joints(joints);
     }
 
     /// Shows only these parts of a bone's force and torque to the wearer, 0 to 1.
@@ -202,10 +202,10 @@ impl HapticHand {
     }
 
     /// The simulated bones now.
-    fn place_bones(&mut self, frame: &SlowToFast, age: f64, h: f64) -> Resolution {
+    fn place_bones(&mut self, frame: &BoneFrame, age: f64, h: f64) -> Resolution {
         let response = &frame.response;
         let responded = self.responds;
-        self.responds = self.settings.mode == TouchMode::SharedConstraints && response.is_ready();
+        self.responds = self.settings.mode == ProxyMode::SharedConstraints && response.is_ready();
         if self.responds {
             if self.shared_step != Some(frame.step) {
                 self.shared.begin(response);
@@ -235,7 +235,7 @@ impl HapticHand {
             arcs.bend(frame, states, settled, shared);
             let resolution = shared.resolve(response, states, h, tolerance, sweeps);
             arcs.place(frame, (states, shared), h, settled, bones);
-            let Free { proxies, shared, settled, bones: free_bones, held } = free;
+            let EmptyAir { proxies, shared, settled, bones: free_bones, held } = free;
             let states = proxies.states();
             arcs.bend(frame, states, settled, shared);
             shared.resolve(response, states, h, tolerance, sweeps);
@@ -252,7 +252,7 @@ impl HapticHand {
             self.take_frame(frame, age);
         }
         // The horizon is held for as long again, at half the speed.
-        let horizon = (self.reach / 1.5).max(ALWAYS).min(self.settings.simulation.horizon);
+        let horizon = (self.reach / 1.5).max(CARRY_TIME).min(self.settings.simulation.horizon);
         let prediction = Prediction { horizon, ..self.settings.simulation };
         let states = self.carried.iter().zip(&frame.bones);
         for (bone, (carried, of_frame)) in self.bones.iter_mut().zip(states) {
@@ -266,7 +266,7 @@ impl HapticHand {
     /// contact held them in the frame, so that what is felt comes with frames. Where that was never
     /// known, all is felt: that hand is wherever its wearer is.
     fn place_free(&mut self) {
-        let Free { bones, held, .. } = &mut self.free;
+        let EmptyAir { bones, held, .. } = &mut self.free;
         for (i, held) in held.iter().enumerate() {
             bones[i] = held.map_or(self.hand.states()[i], |held| held.let_go(&self.bones[i]));
         }
@@ -274,7 +274,7 @@ impl HapticHand {
 
     /// The couplings' forces and torques on the wearer, less what they are in empty air.
     fn feel(&mut self, h: f64, step: u64) {
-        if self.settings.mode == TouchMode::SharedConstraints {
+        if self.settings.mode == ProxyMode::SharedConstraints {
             self.unanswered = if self.responds { 0.0 } else { self.unanswered + h };
             let part = hold_then_fade(self.unanswered, UNANSWERED, UNANSWERED);
             // Back within the time of the fade, too.
@@ -302,19 +302,19 @@ impl HapticHand {
     /// carried on by e periods, one step answers the last with r ((1 + e) b₁ - e b₀): stable up to
     /// e = 1 when frames arrive within their period. When they arrive later, and the answer is two
     /// steps old, r (1 + 2 e) < 1 is.
-    fn take_frame(&mut self, frame: &SlowToFast, age: f64) {
+    fn take_frame(&mut self, frame: &BoneFrame, age: f64) {
         let period = self.newest.map_or(0.0, |(_, before)| seconds_between(before, frame.time_ns));
         let both = self.carried.iter_mut().zip(&frame.bones);
         both.for_each(|(carried, bone)| believe(carried, bone, period));
         let held = &mut self.free.held;
-        if frame.free.is_empty() && self.settings.mode == TouchMode::Multirate {
+        if frame.free.is_empty() && self.settings.mode == ProxyMode::Multirate {
             // A frame that tells of no hand in empty air: all is felt, as before there were any.
             held.fill(None);
         }
         for (held, (bone, free)) in held.iter_mut().zip(frame.bones.iter().zip(&frame.free)) {
             *held = Some(Held::between(bone, free));
         }
-        let most = if age < LATE * period { 1.0 } else { self.periods_when_late };
+        let most = if age < LATE_AGE * period { 1.0 } else { self.periods_when_late };
         self.reach = period.max(0.0) * most;
         self.newest = Some((frame.step, frame.time_ns));
     }
@@ -354,7 +354,7 @@ impl Touch for HapticHand {
         &mut self.hand
     }
 
-    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> TickReport {
+    fn tick(&mut self, now_ns: u64, frame: &BoneFrame) -> TickReport {
         let h = self.hand.passed(now_ns, self.settings.step_max);
         let simulation_age = seconds_between(frame.time_ns, now_ns);
         if self.frame_heard.replace(frame.step) != Some(frame.step) {
@@ -375,7 +375,7 @@ impl Touch for HapticHand {
         TickReport { step: h, simulation_age, proxies, contact, world: None }
     }
 
-    fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
+    fn write_targets(&self, now_ns: u64, to: &mut ProxyTargets) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
         to.proxies.copy_from_slice(self.proxies.states());
         to.free.copy_from_slice(self.free.proxies.states());

@@ -51,7 +51,7 @@ pub(super) fn of_shared_constraints(period: f64, age: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::{
-        CouplingDesign, FastToSlow, HandSettings, HapticHand, RigidState, SlowToFast, Touch,
+        BoneFrame, CouplingDesign, HandSettings, HapticHand, ProxyTargets, RigidState, Touch,
     };
     use std::collections::VecDeque;
     use thenar_core::math::{Mat3, Pose, Vec3};
@@ -67,8 +67,8 @@ mod tests {
         let at = |x: f64| RigidState::at_rest(Pose::translation(x, 0.0, 0.0));
         let mut hand =
             HapticHand::new(HandSettings::default(), vec![proxy], &[at(0.0)], 0).unwrap();
-        let mut frame = SlowToFast::new(&[at(0.0)], 0);
-        let mut back = FastToSlow::new(&[at(0.0)]);
+        let mut frame = BoneFrame::new(&[at(0.0)], 0);
+        let mut back = ProxyTargets::new(&[at(0.0)]);
         let mut way = VecDeque::new();
         let speed = 0.02;
         let stiffness = series_stiffness(proxy.device.stiffness, proxy.bone.stiffness);
@@ -90,7 +90,7 @@ mod tests {
             let x = speed * 1e-3 * ms as f64;
             hand.lead(0, RigidState { velocity_W: Vec3::x() * speed, ..at(x) });
             hand.tick(now_ns, &frame);
-            hand.publish(now_ns, &mut back);
+            hand.write_targets(now_ns, &mut back);
             // Whole periods.
             if ms > 1500 {
                 sum += x + hand.device_wrenches()[0][0].x / stiffness;

@@ -39,7 +39,7 @@
 //!     hand.lead(0, RigidState::at_rest(Pose::translation(0.0, -down, 0.0)));
 //!     frame.time_ns = now_ns;                      // from the simulation's slot
 //!     let report = hand.tick(now_ns, &frame);
-//!     hand.publish(now_ns, &mut back);             // to the simulation's slot
+//!     hand.write_targets(now_ns, &mut back);             // to the simulation's slot
 //!     let reading = pad.read(&hand, report.step);
 //!     force = guard.tick(now_ns, &Signal {
 //!         force: [reading.pad_force],
@@ -65,7 +65,6 @@ mod delay;
 mod device;
 mod display;
 mod empty_air;
-mod exchange;
 mod felt;
 mod hand;
 pub mod haptic_loop;
@@ -77,6 +76,7 @@ mod prediction;
 mod proxies;
 #[cfg(test)]
 mod proxies_tests;
+mod proxy_targets;
 pub mod realtime;
 pub mod safety;
 pub mod shared;
@@ -88,28 +88,27 @@ mod turn;
 pub mod virtual_user;
 mod ways_out;
 
-pub use arcs::Tie;
+pub use arcs::BoneJoint;
 pub use clock::now_ns;
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
 pub use delay::{DelayMeter, GRIP, MARGIN};
-pub use device::{ForceDisplay, Lookout, Messenger, Presence, Tracker};
+pub use device::{ForceDisplay, MessageSource, Presence, PresenceCheck, Tracker};
 pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
 pub use empty_air::EmptyAirHand;
-pub use exchange::FastToSlow;
-pub use felt::{Felt, FeltBounds};
-pub use hand::{HandSettings, HapticHand, TickReport, TouchMode};
+pub use felt::{FeltBounds, FeltStiffness};
+pub use hand::{HandSettings, HapticHand, ProxyMode, TickReport};
 pub use led_hand::LedHand;
 pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
 pub use pads::{Pad, PadReading};
 pub use prediction::{Prediction, hold_then_fade, seconds_between};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
+pub use proxy_targets::ProxyTargets;
 pub use single_rate::{SingleRate, SingleRateSettings, series_drive};
 pub use smooth::BLEND;
 pub use stability::{CouplingRule, CouplingWarning, LoopProfile};
-pub use thenar_core::condensed::{RigidState, SlowToFast};
+pub use thenar_core::condensed::{BoneFrame, RigidState};
 pub use thenar_track::{HandSample, Observation, TrackerTiming};
 pub use touch::Touch;
 pub use ways_out::lock_soon;
-

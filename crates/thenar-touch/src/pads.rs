@@ -74,7 +74,7 @@ impl Pad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast};
+    use crate::{BoneFrame, CouplingDesign, HandSettings, HapticHand, RigidState};
     use thenar_core::math::{Mat3, Quat};
     use thenar_core::model::{Bone, CouplingKind, EmbeddedSurface, Flesh};
 
@@ -145,7 +145,7 @@ mod tests {
         let design = CouplingDesign::default();
         let settings = HandSettings::default();
         let mut loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
-        let frame = SlowToFast::new(&start, 0);
+        let frame = BoneFrame::new(&start, 0);
         let mut pad = Pad::of_hand(&model)[1];
         let mut reading = None;
         for tick in 0..200u64 {
@@ -179,7 +179,7 @@ mod tests {
         let design = CouplingDesign::default();
         let settings = HandSettings::default();
         let mut loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
-        let frame = SlowToFast::new(&start, 0);
+        let frame = BoneFrame::new(&start, 0);
         let glove = Pad::of_hand(&model)[1];
         let mut pads = [glove, Pad { ground: None, ..glove }];
         let mut speeds = [0.0; 2];

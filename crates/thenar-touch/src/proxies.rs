@@ -149,7 +149,7 @@ impl Proxies {
                 report.restarted += 1;
                 let near = tracked.or(bone).filter(|end| is_sensible(end));
                 let pose = near.map_or(thenar_core::Pose::identity(), |end| end.pose_WB);
-                stepped = Stepped::at_rest(RigidState::at_rest(pose));
+                stepped = ProxyStep::at_rest(RigidState::at_rest(pose));
             }
             self.states[i] = stepped.state;
             self.device_wrenches[i] = stepped.device_wrench;
@@ -175,13 +175,13 @@ impl Proxies {
 }
 
 /// A proxy after a step and what its couplings did.
-struct Stepped {
+struct ProxyStep {
     state: RigidState,
     device_wrench: [Vec3; 2],
     bone_wrench: [Vec3; 2],
 }
 
-impl Stepped {
+impl ProxyStep {
     fn at_rest(state: RigidState) -> Self {
         Self { state, device_wrench: [Vec3::zeros(); 2], bone_wrench: [Vec3::zeros(); 2] }
     }
@@ -213,11 +213,11 @@ impl Proxy {
         state: &RigidState,
         tracked: Option<&RigidState>,
         bone: Option<&RigidState>,
-    ) -> Stepped {
+    ) -> ProxyStep {
         let rotation = &state.pose_WB.rotation;
         let ends = [(&self.device, tracked), (&self.bone, bone)];
         if tracked.is_none() && bone.is_none() {
-            return Stepped::at_rest(RigidState::at_rest(state.pose_WB));
+            return ProxyStep::at_rest(RigidState::at_rest(state.pose_WB));
         }
         let spin_B = rotation.inverse_transform_vector(&state.angular_velocity_W);
         let momentum_B = self.inertia_B * spin_B;
@@ -258,7 +258,7 @@ impl Proxy {
                 rotation * (spin_B * resist[i][1] - loads[i][1]),
             ]
         };
-        Stepped {
+        ProxyStep {
             state: RigidState { pose_WB, velocity_W, angular_velocity_W: rotation * spin_B },
             device_wrench: reaction(0),
             bone_wrench: reaction(1),

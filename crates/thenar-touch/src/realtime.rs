@@ -3,7 +3,7 @@
 /// Threads and processes of touch, the least urgent first. All are above everything that is not
 /// real-time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Urgency {
+pub enum PriorityClass {
     /// The loop.
     Loop,
     /// The thread behind a device that shows forces, above the loop: a loop gone wild cannot keep
@@ -15,7 +15,7 @@ pub enum Urgency {
     Keeper,
 }
 
-impl Urgency {
+impl PriorityClass {
     /// Priority of `SCHED_FIFO` on Linux, 1 to 99; Linux runs threaded interrupts at 50.
     pub fn priority(self) -> u8 {
         match self {
@@ -31,7 +31,7 @@ impl Urgency {
 ///
 /// # Errors
 /// The system refuses; the cause, for a person.
-pub fn raise_priority(urgency: Urgency) -> Result<(), String> {
+pub fn raise_priority(urgency: PriorityClass) -> Result<(), String> {
     use thread_priority::{ThreadPriority, ThreadPriorityValue};
     let value = ThreadPriorityValue::try_from(urgency.priority()).map_err(|e| e.to_string())?;
     set_priority(ThreadPriority::Crossplatform(value))
@@ -102,8 +102,8 @@ mod tests {
     /// Whoever releases the wearer is never kept from it by whom it watches.
     #[test]
     fn who_releases_is_above_whom_it_watches() {
-        use Urgency::{Device, Keeper, Loop, Watchdog};
-        let order = [Loop, Device, Watchdog, Keeper].map(Urgency::priority);
+        use PriorityClass::{Device, Keeper, Loop, Watchdog};
+        let order = [Loop, Device, Watchdog, Keeper].map(PriorityClass::priority);
         assert!(order.is_sorted_by(|a, b| a < b) && order[0] > 50 && order[3] < 99, "{order:?}");
     }
 

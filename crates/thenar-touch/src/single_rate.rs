@@ -7,7 +7,7 @@
 
 use crate::led_hand::LedHand;
 use crate::{
-    EmptyAirHand, FastToSlow, RigidState, SlowToFast, TickReport, Touch, drive_reaction,
+    BoneFrame, EmptyAirHand, ProxyTargets, RigidState, TickReport, Touch, drive_reaction,
     series_stiffness,
 };
 use std::ops::Range;
@@ -182,7 +182,7 @@ impl Touch for SingleRate {
         &mut self.hand
     }
 
-    fn tick(&mut self, now_ns: u64, _: &SlowToFast) -> TickReport {
+    fn tick(&mut self, now_ns: u64, _: &BoneFrame) -> TickReport {
         let h = self.hand.passed(now_ns, self.settings.step_max);
         self.owed = (self.owed + h).min(self.settings.step_max);
         self.hand.place(&self.bones);
@@ -198,7 +198,7 @@ impl Touch for SingleRate {
         TickReport { step: h, world, ..TickReport::default() }
     }
 
-    fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
+    fn write_targets(&self, now_ns: u64, to: &mut ProxyTargets) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
         to.proxies.copy_from_slice(self.hand.states());
         to.free.copy_from_slice(self.hand.states());

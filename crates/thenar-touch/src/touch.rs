@@ -1,6 +1,6 @@
 //! One interface to the three modes of touch: what the loop around ticks, whatever is inside.
 
-use crate::{FastToSlow, HapticHand, LedHand, RigidState, SlowToFast, TickReport};
+use crate::{BoneFrame, HapticHand, LedHand, ProxyTargets, RigidState, TickReport};
 use thenar_core::math::Vec3;
 use thenar_core::world::{Input, World};
 
@@ -8,7 +8,7 @@ use thenar_core::world::{Input, World};
 /// simulation, or [`SingleRate`](crate::SingleRate) with the simulation within.
 ///
 /// Each tick: where the hand is (`lead`), the step (`tick`), where the simulated bones should
-/// go (`publish`), and forces (`Pad::read`). Nothing here allocates, waits or knows the time.
+/// go (`write_targets`), and forces (`Pad::read`). Nothing here allocates, waits or knows the time.
 pub trait Touch {
     /// The wearer's hand.
     fn hand(&self) -> &LedHand;
@@ -29,10 +29,10 @@ pub trait Touch {
     }
 
     /// One tick, on the newest simulation frame (which single-rate does not look at).
-    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> TickReport;
+    fn tick(&mut self, now_ns: u64, frame: &BoneFrame) -> TickReport;
 
     /// Writes the targets of the simulated bones.
-    fn publish(&self, now_ns: u64, to: &mut FastToSlow);
+    fn write_targets(&self, now_ns: u64, to: &mut ProxyTargets);
 
     /// Returns the states that the hand was taken to have in the last tick.
     fn tracked(&self) -> &[RigidState] {

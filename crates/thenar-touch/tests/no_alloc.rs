@@ -13,8 +13,8 @@ use thenar_testing::allocations;
 use thenar_touch::safety::{Bank, Limits, Signal, Trip};
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::{
-    CouplingDesign, FastToSlow, HandSettings, HapticHand, RigidState, SingleRate,
-    SingleRateSettings, SlowToFast, Tie, Touch, TouchMode, pad_force,
+    BoneFrame, BoneJoint, CouplingDesign, HandSettings, HapticHand, ProxyMode, ProxyTargets,
+    RigidState, SingleRate, SingleRateSettings, Touch, pad_force,
 };
 
 #[global_allocator]
@@ -23,7 +23,7 @@ static ALLOCATOR: allocations::Counting = allocations::Counting;
 const BONES: usize = 16;
 
 /// Each bone on its coupling alone, over its own contact.
-fn fill(frame: &mut SlowToFast, contacts: usize) {
+fn fill(frame: &mut BoneFrame, contacts: usize) {
     let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
     let response = &mut frame.response;
     response.clear();
@@ -61,17 +61,22 @@ fn a_haptic_tick_allocates_nothing() {
         .map(|i| RigidState::at_rest(Pose::translation(0.02 * i as f64, 0.0, 0.0)))
         .collect();
     let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
-    let settings = HandSettings { mode: TouchMode::SharedConstraints, ..HandSettings::default() };
+    let settings = HandSettings { mode: ProxyMode::SharedConstraints, ..HandSettings::default() };
     let mut hand = HapticHand::new(settings, vec![proxy; BONES], &start, 40).unwrap();
     let [at_parent, at_child] = [Vec3::x() * 0.01, Vec3::x() * -0.01];
-    hand.tie((1..BONES).map(|child| Tie { parent: child - 1, child, at_parent, at_child }));
-    let mut newest = SlowToFast::new(&start, 40);
+    hand.set_joints((1..BONES).map(|child| BoneJoint {
+        parent: child - 1,
+        child,
+        at_parent,
+        at_child,
+    }));
+    let mut newest = BoneFrame::new(&start, 40);
     let frames = [5, 40, 0].map(|contacts| {
-        let mut frame = SlowToFast::new(&start, 40);
+        let mut frame = BoneFrame::new(&start, 40);
         fill(&mut frame, contacts);
         frame
     });
-    let mut back = FastToSlow::new(&start);
+    let mut back = ProxyTargets::new(&start);
     let limits = Limits { ramp: 0.1, ..Limits::cybergrasp() };
     let mut bank = Bank::<1>::new(&[limits; 5], 200).unwrap();
     bank.arm();
@@ -92,7 +97,7 @@ fn a_haptic_tick_allocates_nothing() {
             hand.lead(i, RigidState::at_rest(pose_WB));
         }
         active = active.max(hand.tick(now, &newest).contact.active);
-        hand.publish(now, &mut back);
+        hand.write_targets(now, &mut back);
         let signals: [Signal<1>; 5] = std::array::from_fn(|finger| {
             let [force, _] = hand.proxies().device_wrenches()[3 * finger + 3];
             let pad = pad_force(&force, &hand.tracked()[3 * finger + 3].pose_WB);
@@ -119,7 +124,7 @@ fn a_haptic_tick_allocates_nothing() {
 
 /// A soft finger pressed on a floor: steps, frames, and the whole world within the tick.
 #[test]
-fn publishing_and_single_rate_allocate_nothing() {
+fn writing_targets_and_single_rate_allocate_nothing() {
     let mut desc = finger(1e8, 1.0 / 60.0);
     let mut floor = body("floor", 1.0, [1.0; 3], Vec3::y() * -0.001);
     floor.motion = Motion::Prescribed;
@@ -131,7 +136,7 @@ fn publishing_and_single_rate_allocate_nothing() {
     let mut world = World::new(desc).unwrap();
     let start = [0, 1].map(|b| RigidState::of(&world, b));
     let mut touch = SingleRate::new(SingleRateSettings::default(), inside, 0..2).unwrap();
-    let mut frame = SlowToFast::new(&start, 40);
+    let mut frame = BoneFrame::new(&start, 40);
     let mut input = world.input();
     let mut run = |steps: u64| {
         let mut contacts = 0;

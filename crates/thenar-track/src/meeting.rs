@@ -19,7 +19,7 @@
 //! back of a finger pinches nothing.
 
 use crate::calibration::{BoneLengths, RATIOS};
-use crate::reach::{ALONG, Angles, Chain, FREEDOMS_MAX, PadPlace, Reached, step_within};
+use crate::reach::{ALONG, Angles, Chain, FREEDOMS_MAX, PadKinematics, PadPlace, step_within};
 use crate::recording::TRACKED_JOINTS;
 use crate::retarget::tracked_index;
 use nalgebra::{SMatrix, SVector};
@@ -264,7 +264,7 @@ impl Meeting {
 impl Pair {
     /// The pads of thumb and finger, of these radii, which rotations bring to `reached`; `pads` is
     /// the way from the tracked thumb's pad to the finger's \[m\].
-    fn new(radii: [f64; 2], press: f64, reached: [&Reached; 2], pads: &Vec3) -> Self {
+    fn new(radii: [f64; 2], press: f64, reached: [&PadKinematics; 2], pads: &Vec3) -> Self {
         let sum = radii[0] + radii[1];
         let gap = pads.norm() - sum;
         let Some(towards) = pads.try_normalize(1e-6) else { return Self::default() };

@@ -22,8 +22,8 @@ const UNEVEN: i128 = 100_000_000;
 #[derive(Clone, Debug, Default)]
 pub struct TrackerClock {
     /// Left, right.
-    hands: [Times; 2],
-    news: ClockNews,
+    hands: [SampleTimes; 2],
+    news: ClockJump,
 }
 
 impl TrackerClock {
@@ -37,16 +37,16 @@ impl TrackerClock {
     }
 
     /// Returns the news of the clock, for whoever reports it.
-    pub fn news(&self) -> ClockNews {
+    pub fn news(&self) -> ClockJump {
         self.news.clone()
     }
 }
 
 /// Set while a jump of the clock waits to be reported.
 #[derive(Clone, Debug, Default)]
-pub struct ClockNews(Arc<AtomicBool>);
+pub struct ClockJump(Arc<AtomicBool>);
 
-impl ClockNews {
+impl ClockJump {
     /// A message about the tracker called `who`, once.
     pub fn take(&self, who: &str) -> Option<String> {
         let text = || format!("the clock of {who} has jumped; it is followed");
@@ -56,7 +56,7 @@ impl ClockNews {
 
 /// The times of one hand.
 #[derive(Clone, Copy, Debug, Default)]
-struct Times {
+struct SampleTimes {
     /// The tracker's time of the sample before, and the time made of it \[ns\].
     last: Option<[u64; 2]>,
     /// Ours minus its \[ns\]; 0 when it is on our clock.
@@ -65,7 +65,7 @@ struct Times {
     past: Option<(i128, u64)>,
 }
 
-impl Times {
+impl SampleTimes {
     fn follow(&mut self, now_ns: u64, time_ns: u64) -> (u64, bool) {
         // The same sample again is as old as it was.
         if let Some([_, became]) = self.last.filter(|[last, _]| *last == time_ns) {
@@ -105,7 +105,7 @@ mod tests {
     /// Ages \[ms\] of samples every 10 ms that tell `tells(k)`, and the numbers of those that
     /// jumped.
     fn ages(n: u64, tells: impl Fn(u64, u64) -> u64) -> (Vec<u64>, Vec<u64>) {
-        let (mut times, mut jumps) = (Times::default(), Vec::new());
+        let (mut times, mut jumps) = (SampleTimes::default(), Vec::new());
         let mut age = |k| {
             let now = 2 * DAY as u64 + 10 * MS * k;
             let (time, jumped) = times.follow(now, tells(k, now));
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn no_number_breaks_it() {
-        let mut times = Times::default();
+        let mut times = SampleTimes::default();
         let odd = [0, 1, u64::MAX, 1 << 63, 7 * MS, u64::MAX - 1];
         for now in odd {
             for time in odd {

@@ -1,14 +1,14 @@
 //! Building told: what takes long says so before and while it does, and Ctrl-C ends it.
 
-mod teller;
+mod stage_reporter;
 
 use crate::error::CliError;
 use crate::interrupt;
 use crate::ticker::Ticker;
+use stage_reporter::StageReporter;
 use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use teller::Teller;
 use thenar_rig::work::watched;
 
 /// Work that looks at whether it is to end does so within this time after Ctrl-C.
@@ -29,17 +29,17 @@ pub fn told<T>(work: impl FnOnce() -> Result<T, CliError>) -> Result<T, CliError
 /// second, and where it does not end by itself after Ctrl-C the program ends.
 pub fn heard<T>(work: impl FnOnce() -> T) -> T {
     let terminal = std::io::stderr().is_terminal();
-    let teller = Arc::new(Mutex::new(Teller::new(terminal, Instant::now())));
-    let shared = Arc::clone(&teller);
+    let stage_reporter = Arc::new(Mutex::new(StageReporter::new(terminal, Instant::now())));
+    let shared = Arc::clone(&stage_reporter);
     let mut asked = None;
     let _ticker = Ticker::new(move || {
         if interrupt::pressed() && asked.get_or_insert_with(Instant::now).elapsed() > HEARD {
             interrupt::end();
         }
-        with(&shared, |teller| teller.tick(Instant::now()));
+        with(&shared, |stage_reporter| stage_reporter.tick(Instant::now()));
     });
     let watch = move |progress| {
-        with(&teller, |teller| teller.hear(&progress, Instant::now()));
+        with(&stage_reporter, |stage_reporter| stage_reporter.hear(&progress, Instant::now()));
         !interrupt::pressed()
     };
     watched(watch, work)
@@ -50,6 +50,6 @@ pub fn unheard<T>(work: impl FnOnce() -> T) -> T {
     watched(|_| !interrupt::pressed(), work)
 }
 
-fn with(teller: &Mutex<Teller>, act: impl FnOnce(&mut Teller)) {
-    act(&mut teller.lock().unwrap_or_else(PoisonError::into_inner));
+fn with(stage_reporter: &Mutex<StageReporter>, act: impl FnOnce(&mut StageReporter)) {
+    act(&mut stage_reporter.lock().unwrap_or_else(PoisonError::into_inner));
 }

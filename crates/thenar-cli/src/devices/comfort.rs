@@ -1,6 +1,6 @@
 //! `thenar devices comfort`: how much force a wearer likes, finger by finger, with a stop at hand.
 
-mod raise;
+mod force_ramp;
 #[cfg(test)]
 mod tests;
 
@@ -9,7 +9,7 @@ use super::feel::{DIRECTIONS, NAMES, Trial};
 use super::keys::Keys;
 use crate::error::CliError;
 use crate::interrupt;
-use raise::{Ended, Raise};
+use force_ramp::{ForceRamp, RampEnd};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar_link::wearer::{Comfort, SOMEBODY, Wearer, keep, wearer_file};
@@ -134,7 +134,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
 /// The driver of the device itself, where the address is of one that holds others.
 fn driver_name(display: &dyn ForceDisplay, address: &str) -> String {
-    let names = display.lookout()().into_iter().map(|presence| presence.name);
+    let names = display.presence_check()().into_iter().map(|presence| presence.name);
     let name = names.into_iter().next().unwrap_or_else(|| address.to_string());
     name.split(':').next().unwrap_or(&name).to_string()
 }
@@ -214,19 +214,19 @@ fn one_finger(
     let most = limits.force_max();
     for _ in 0..AGAIN {
         trial.begin(limits)?;
-        let ended = Raise::new(axis, most, args.seconds, limits.ramp).run(trial, keys)?;
+        let ended = ForceRamp::new(axis, most, args.seconds, limits.ramp).run(trial, keys)?;
         trial.release();
         match ended {
-            Ended::Top => return Ok(rounded_down(most)),
-            Ended::Stopped { comfortable } => {
+            RampEnd::Top => return Ok(rounded_down(most)),
+            RampEnd::Stopped { comfortable } => {
                 println!("stopped");
-                calm(trial, keys)?;
+                pause_output(trial, keys)?;
                 // A stop is there or not.
                 let stops = trial.display.rendering() == Rendering::Stops;
                 return Ok(if stops { 0.0 } else { rounded_down(MARGIN * comfortable) });
             }
-            Ended::HeldUp => println!("this program was held up: the same again, from nothing"),
-            Ended::Silent => {
+            RampEnd::HeldUp => println!("this program was held up: the same again, from nothing"),
+            RampEnd::Silent => {
                 returns(trial, keys)?;
                 println!("the device was silent for a moment: the same again, from nothing");
             }
@@ -262,7 +262,7 @@ fn returns(trial: &mut Trial, keys: &Keys) -> Result<(), CliError> {
 }
 
 /// Shows nothing for a moment; keys of somebody who presses more than once belong to the stop.
-fn calm(trial: &mut Trial, keys: &Keys) -> Result<(), CliError> {
+fn pause_output(trial: &mut Trial, keys: &Keys) -> Result<(), CliError> {
     let start = Instant::now();
     while start.elapsed().as_secs_f64() < PANIC {
         trial.release();

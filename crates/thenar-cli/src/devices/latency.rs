@@ -13,8 +13,8 @@ use session::Session;
 use std::path::{Path, PathBuf};
 use thenar_core::model::Side;
 use thenar_link::latency::{
-    ComparedPart, Doubt, KEY_DELAY, KEY_DELAY_SPREAD, Lag, MeasuredDelay, lag, possible, stillness,
-    taps,
+    ComparedPart, KEY_DELAY, KEY_DELAY_SPREAD, Lag, LatencyError, MeasuredDelay, lag, possible,
+    stillness, taps,
 };
 use thenar_link::profile::{Tracking, save, states_timing, user_file};
 use toml::{Table, Value};
@@ -175,13 +175,13 @@ fn hold_still(session: &mut Session, args: &Args, keys: &Keys) -> Result<Option<
         match stillness(&session.trace.seen) {
             // What would be printed as nothing is nothing.
             Ok(noise) => return Ok(Some(if noise < 0.5e-6 { 0.0 } else { noise })),
-            Err(moved @ Doubt::Moved { .. }) => println!("{moved}. Again, please."),
+            Err(moved @ LatencyError::Moved { .. }) => println!("{moved}. Again, please."),
             Err(doubt) => return Err(refused(&doubt)),
         }
     }
 }
 
-fn refused(doubt: &Doubt) -> CliError {
+fn refused(doubt: &LatencyError) -> CliError {
     CliError::Other(format!("nothing is kept: {doubt}"))
 }
 
@@ -204,7 +204,7 @@ fn compare(
         Some(ComparedWord::Fingers) => by(ComparedPart::Fingers),
         Some(ComparedWord::Wrist) => by(ComparedPart::Wrist),
         None => by(ComparedPart::Fingers).or_else(|first| match first {
-            Doubt::TooFew { .. } => by(ComparedPart::Wrist).map_err(|_| first),
+            LatencyError::TooFew { .. } => by(ComparedPart::Wrist).map_err(|_| first),
             _ => Err(first),
         }),
     };

@@ -6,7 +6,7 @@ use crate::interrupt;
 use std::io::Write;
 use std::time::{Duration, Instant};
 use thenar_core::model::Side;
-use thenar_link::wearer::{Wearer, worn};
+use thenar_link::wearer::{Wearer, limited_to_comfort};
 use thenar_link::{HandSample, Tracker, now_ns};
 use thenar_scene::live::LivePose;
 
@@ -72,7 +72,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         let Some(display) = device.display.take() else {
             return Err(CliError::Input(format!("{} shows no forces", args.address)));
         };
-        let (mut display, comfort) = worn(display, &args.address, &Wearer::load(None)?);
+        let (mut display, comfort) =
+            limited_to_comfort(display, &args.address, &Wearer::load(None)?);
         if let Some(comfort) = comfort {
             println!("for you {comfort}");
         }

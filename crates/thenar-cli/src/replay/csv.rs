@@ -1,6 +1,6 @@
 //! Tables: a row per step.
 
-use super::{Every, Sink};
+use super::{Schedule, Sink};
 use crate::error::CliError;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -15,7 +15,7 @@ use thenar_scene::session::{HandLoad, Session};
 /// Tables of the scenes and channels of a recording.
 pub struct Tables {
     file: PathBuf,
-    every: Every,
+    every: Schedule,
     scenes: u32,
     scene: Output,
     /// Tables that are complete.
@@ -51,7 +51,7 @@ impl Tables {
     pub fn create(file: &Path, rate: Option<f64>) -> Result<Self, CliError> {
         Ok(Self {
             file: file.into(),
-            every: Every::at_most(rate),
+            every: Schedule::at_most(rate),
             scenes: 0,
             scene: Output::create(file)?,
             done: Vec::new(),
@@ -120,11 +120,11 @@ impl Tables {
         // A name from a file must not lead anywhere.
         let name: String =
             info.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        let mut draft = Output::create(&beside(&self.file, &format!("{}-{name}", info.id)))?;
+        let mut output = Output::create(&beside(&self.file, &format!("{}-{name}", info.id)))?;
         let fields =
             info.fields.iter().map(|f| format!(",{}", cell(&format!("{} [{}]", f.name, f.unit))));
-        writeln!(draft, "time [s]{}", fields.collect::<String>()).map_err(|e| failed(&e))?;
-        self.channels.insert(info.id, draft);
+        writeln!(output, "time [s]{}", fields.collect::<String>()).map_err(|e| failed(&e))?;
+        self.channels.insert(info.id, output);
         Ok(())
     }
 }
@@ -138,9 +138,9 @@ impl Sink for Tables {
             }
             (Event::Channel(info), _) => self.begin_channel(info),
             (Event::Record { time_ns, channel, values }, _) => {
-                let Some(draft) = self.channels.get_mut(channel) else { return Ok(()) };
+                let Some(output) = self.channels.get_mut(channel) else { return Ok(()) };
                 let values: String = values.iter().map(|x| format!(",{x}")).collect();
-                writeln!(draft, "{}{values}", *time_ns as f64 / 1e9).map_err(|e| failed(&e))
+                writeln!(output, "{}{values}", *time_ns as f64 / 1e9).map_err(|e| failed(&e))
             }
             _ => Ok(()),
         }

@@ -62,12 +62,12 @@ trait Sink {
 
 /// Says when the next moment is due.
 #[derive(Clone, Copy, Debug)]
-struct Every {
+struct Schedule {
     period: f64,
     next: Option<f64>,
 }
 
-impl Every {
+impl Schedule {
     /// Most moments per second; `None` for all.
     fn at_most(rate: Option<f64>) -> Self {
         Self { period: rate.map_or(0.0, |rate| 1.0 / rate), next: None }
@@ -284,13 +284,13 @@ mod tests {
 
     #[test]
     fn moments_keep_their_rate_and_none_is_caught_up_after_a_pause() {
-        let mut every = Every::at_most(Some(30.0));
+        let mut every = Schedule::at_most(Some(30.0));
         let due = (0..2000_u64).filter(|k| every.is_due(k * 2_000_000)).count();
         // 4 s at 30 a second, and the one at the start.
         assert!((119..=121).contains(&due), "{due}");
         let after = (0..4_u64).filter(|k| every.is_due(9_000_000_000 + k * 2_000_000)).count();
         assert_eq!(after, 1);
-        let mut all = Every::at_most(None);
+        let mut all = Schedule::at_most(None);
         assert!((0..10).all(|k| all.is_due(k)));
     }
 }

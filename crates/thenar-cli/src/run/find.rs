@@ -10,7 +10,7 @@ use thenar_scene::session::{
 
 /// Place of a scene.
 #[derive(Debug)]
-pub enum Found {
+pub enum SceneLocation {
     /// In a file.
     File(PathBuf),
     /// In the program.
@@ -21,16 +21,16 @@ pub enum Found {
 ///
 /// # Errors
 /// There is no such built-in scene; files are not looked into.
-pub fn find(scene: &Path) -> Result<Found, CliError> {
+pub fn find(scene: &Path) -> Result<SceneLocation, CliError> {
     let bare = scene.extension().is_none() && scene.components().count() == 1;
     if !bare || scene.is_file() {
-        return Ok(Found::File(scene.into()));
+        return Ok(SceneLocation::File(scene.into()));
     }
     let beside = PathBuf::from("scenes").join(scene).with_extension("toml");
     if beside.is_file() {
-        return Ok(Found::File(beside));
+        return Ok(SceneLocation::File(beside));
     }
-    known(&scene.to_string_lossy()).map(Found::Builtin)
+    known(&scene.to_string_lossy()).map(SceneLocation::Builtin)
 }
 
 /// The built-in scene of this name, whatever files are here.
@@ -81,11 +81,11 @@ fn open_with(
     let found = find(scene)?;
     let session = told(|| {
         let (text, file) = match found {
-            Found::File(path) => {
+            SceneLocation::File(path) => {
                 thenar_output::protect(&path);
                 (read_scene(&path)?, path)
             }
-            Found::Builtin(known) => (known.text.to_string(), beside(known.name)),
+            SceneLocation::Builtin(known) => (known.text.to_string(), beside(known.name)),
         };
         let overrides = overrides(&text);
         // What is wrong with the text is told with its place when the session is made.
@@ -126,8 +126,8 @@ pub fn tell_overlaps(overlaps: &[StartOverlap]) {
 /// There is no such built-in scene; files are not looked into.
 pub fn file(scene: &Path) -> Result<PathBuf, CliError> {
     Ok(match find(scene)? {
-        Found::File(path) => path,
-        Found::Builtin(known) => beside(known.name),
+        SceneLocation::File(path) => path,
+        SceneLocation::Builtin(known) => beside(known.name),
     })
 }
 

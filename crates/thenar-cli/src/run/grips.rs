@@ -6,11 +6,11 @@ use thenar_scene::session::Session;
 
 /// Tells of each trouble of each hand's grips when it begins.
 #[derive(Debug)]
-pub struct GripNews {
+pub struct GripReporter {
     told: Vec<Option<Trouble>>,
 }
 
-impl GripNews {
+impl GripReporter {
     /// Nothing is reported yet.
     pub fn new(session: &Session) -> Self {
         Self { told: vec![None; session.hands().len()] }

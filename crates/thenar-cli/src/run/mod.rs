@@ -8,7 +8,9 @@ mod timer;
 mod verdict;
 mod vtk;
 
-pub use find::{Found, file, find, known, open, open_checked, open_live, tell, tell_overlaps};
+pub use find::{
+    SceneLocation, file, find, known, open, open_checked, open_live, tell, tell_overlaps,
+};
 pub use report::{report, times};
 pub use timer::{STAGES, StageTimes, StopWatch};
 
@@ -17,7 +19,7 @@ use crate::interrupt;
 use crate::progress::Meter;
 use crate::recorder::PictureOptions;
 use crate::recording::{RecordOptions, Recording, attach};
-use grips::GripNews;
+use grips::GripReporter;
 use outputs::Outputs;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -152,7 +154,7 @@ fn advance(
     let start = Instant::now();
     let (mut interrupted, mut made) = (false, 0);
     outputs.take(session)?;
-    let mut grips = GripNews::new(session);
+    let mut grips = GripReporter::new(session);
     for _ in 0..steps {
         session.step(&mut watch);
         grips.tell(session);

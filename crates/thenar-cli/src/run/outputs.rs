@@ -1,4 +1,4 @@
-//! The files of a run: written as drafts, named when the run ends.
+//! The files of a run: written as partial files, named when the run ends.
 
 use super::vtk::VtkSeries;
 use super::{Args, Outcome, report};
@@ -30,8 +30,8 @@ impl Outputs {
             Some(path) => {
                 let lines = path.extension().is_some_and(|e| e == "jsonl");
                 let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
-                let draft = Output::create(path)?;
-                Some(TableWriter::new(draft, format, session.columns()).map_err(|e| failed(&e))?)
+                let output = Output::create(path)?;
+                Some(TableWriter::new(output, format, session.columns()).map_err(|e| failed(&e))?)
             }
             None => None,
         };
@@ -75,12 +75,12 @@ impl Outputs {
         if let Some(table) = self.table {
             table.finish().map_err(|e| failed(&e))?.finish()?;
         }
-        if let Some(mut draft) = self.report {
+        if let Some(mut output) = self.report {
             let text = serde_json::to_string_pretty(&report(session, outcome))
                 .map_err(|e| CliError::Other(e.to_string()))?;
-            writeln!(draft, "{text}")
+            writeln!(output, "{text}")
                 .map_err(|e| CliError::Other(format!("cannot write the report: {e}")))?;
-            draft.finish()?;
+            output.finish()?;
         }
         if let Some(pictures) = self.pictures {
             pictures.finish(session)?;

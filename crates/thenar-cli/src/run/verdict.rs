@@ -54,7 +54,7 @@ impl Figures {
 }
 
 /// A reason for doubt, and the figures that it is about.
-type Doubt = (Figures, String);
+type Caveat = (Figures, String);
 
 /// Judgement of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +70,7 @@ impl Verdict {
     /// Judges a run.
     pub fn new(e: &Evidence) -> Self {
         let judges = [taken_back, missed, fell_back, left_out, overlapped, deep, apart, inverted];
-        let doubts: Vec<Doubt> = judges.iter().filter_map(|judge| judge(e)).collect();
+        let doubts: Vec<Caveat> = judges.iter().filter_map(|judge| judge(e)).collect();
         let mut doubtful: Vec<Figures> = doubts.iter().map(|(figures, _)| *figures).collect();
         doubtful.sort_unstable();
         doubtful.dedup();
@@ -133,7 +133,7 @@ fn went_well(e: &Evidence) -> Vec<String> {
 }
 
 /// Steps that were taken back let no time pass: everything is late by that.
-fn taken_back(e: &Evidence) -> Option<Doubt> {
+fn taken_back(e: &Evidence) -> Option<Caveat> {
     let count = e.summary.non_finite;
     let verb = if count == 1 { "was" } else { "were" };
     (count > 0).then(|| {
@@ -162,7 +162,7 @@ fn misses(e: &Evidence) -> String {
 
 /// Misses matter where they are more than a soak allows. The other solvers measure a part of the
 /// change, not a speed: there small numbers mean nothing.
-fn missed(e: &Evidence) -> Option<Doubt> {
+fn missed(e: &Evidence) -> Option<Caveat> {
     let s = e.summary;
     let is_small = e.settings.kind == SolverKind::Monolithic && s.contact_residual_max <= MISS_MAX;
     if s.contact_unconverged == 0 || is_small {
@@ -181,7 +181,7 @@ fn missed(e: &Evidence) -> Option<Doubt> {
     Some((Figures::Forces, format!("{}: {advice}", misses(e))))
 }
 
-fn fell_back(e: &Evidence) -> Option<Doubt> {
+fn fell_back(e: &Evidence) -> Option<Caveat> {
     let count = e.summary.fell_back;
     let verb = if count == 1 { "was" } else { "were" };
     (count > 0).then(|| {
@@ -190,7 +190,7 @@ fn fell_back(e: &Evidence) -> Option<Doubt> {
     })
 }
 
-fn left_out(e: &Evidence) -> Option<Doubt> {
+fn left_out(e: &Evidence) -> Option<Caveat> {
     let most = e.summary.contacts_dropped_max;
     (most > 0).then(|| {
         let crowd =
@@ -200,7 +200,7 @@ fn left_out(e: &Evidence) -> Option<Doubt> {
 }
 
 /// Bodies that start in each other are pushed apart by what no scene asks for.
-fn overlapped(e: &Evidence) -> Option<Doubt> {
+fn overlapped(e: &Evidence) -> Option<Caveat> {
     let deep: Vec<_> = e.overlaps.iter().filter(|overlap| overlap.depth >= DEEP).collect();
     let (deepest, rest) = deep.split_first()?;
     let [a, b] = &deepest.bodies;
@@ -212,7 +212,7 @@ fn overlapped(e: &Evidence) -> Option<Doubt> {
     Some((Figures::Forces, format!("{a} and {b} started {depth:.3} mm inside each other{more}")))
 }
 
-fn deep(e: &Evidence) -> Option<Doubt> {
+fn deep(e: &Evidence) -> Option<Caveat> {
     let depth = e.summary.penetration_max;
     (depth >= DEEP).then(|| {
         let depth = depth * 1e3;
@@ -220,7 +220,7 @@ fn deep(e: &Evidence) -> Option<Doubt> {
     })
 }
 
-fn apart(e: &Evidence) -> Option<Doubt> {
+fn apart(e: &Evidence) -> Option<Caveat> {
     let gap = e.summary.joint_gap_max;
     (gap >= JOINT_GAP_MAX).then(|| {
         (Figures::Positions, format!("joints came apart by up to {} mm", short(gap * 1e3)))
@@ -228,7 +228,7 @@ fn apart(e: &Evidence) -> Option<Doubt> {
 }
 
 /// Flesh that stays inside out, in the end or for long before.
-fn inverted(e: &Evidence) -> Option<Doubt> {
+fn inverted(e: &Evidence) -> Option<Caveat> {
     // Steps that last as long as the limit, but for rounding, reach it.
     let long = inverted_time(e) >= INVERTED_TIME_MAX * (1.0 - 1e-9);
     let verb = if e.inverted == 1 { "is" } else { "are" };

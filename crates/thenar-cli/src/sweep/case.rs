@@ -11,14 +11,14 @@ use thenar_scene::session::{Figures, Session, TableFormat, TableWriter, TakenBac
 
 /// Why there is no record of a case.
 #[derive(Debug)]
-pub enum Cut {
+pub enum CaseFailure {
     /// The program was asked to end.
     Asked,
     /// An output cannot be written.
     Failed(CliError),
 }
 
-impl<E: Into<CliError>> From<E> for Cut {
+impl<E: Into<CliError>> From<E> for CaseFailure {
     fn from(error: E) -> Self {
         Self::Failed(error.into())
     }
@@ -35,7 +35,7 @@ pub fn run_case(
     case: u64,
     overrides: &[String],
     stop: impl Fn() -> bool,
-) -> Result<Record, Cut> {
+) -> Result<Record, CaseFailure> {
     let work = AssertUnwindSafe(|| attempt(args, scene, place, case, overrides, &stop));
     catch_unwind(work).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
@@ -51,11 +51,11 @@ fn attempt(
     case: u64,
     overrides: &[String],
     stop: impl Fn() -> bool,
-) -> Result<Record, Cut> {
+) -> Result<Record, CaseFailure> {
     let opened = unheard(|| Session::from_text(&scene.text, &scene.file, overrides));
     let mut session = match opened {
         Ok(session) => session,
-        Err(_) if interrupt::pressed() => return Err(Cut::Asked),
+        Err(_) if interrupt::pressed() => return Err(CaseFailure::Asked),
         Err(error) => return Ok(Record::new(case, Some(error.to_string()), Vec::new())),
     };
     scene.files.check(&session)?;
@@ -68,7 +68,7 @@ fn attempt(
         figures.take(&mut session);
         probes.take(&mut session)?;
         if stop() {
-            return Err(Cut::Asked);
+            return Err(CaseFailure::Asked);
         }
     }
     probes.finish()?;
@@ -93,8 +93,8 @@ impl Probes {
         let folder = &place.probes;
         std::fs::create_dir_all(folder)
             .map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
-        let draft = Output::create(&folder.join(format!("{case}.csv")))?;
-        let table = TableWriter::new(draft, TableFormat::Csv, session.columns());
+        let output = Output::create(&folder.join(format!("{case}.csv")))?;
+        let table = TableWriter::new(output, TableFormat::Csv, session.columns());
         Ok(Self(Some(table.map_err(|e| failed(&e))?)))
     }
 

@@ -27,7 +27,7 @@ mod table;
 
 use crate::error::CliError;
 use crate::interrupt;
-use crate::run::{Found, file, find};
+use crate::run::{SceneLocation, file, find};
 use crate::words::counted;
 use files::Files;
 use manifest::Manifest;
@@ -91,11 +91,11 @@ impl Scene {
     /// There is no such scene.
     fn read(scene: &Path) -> Result<Self, CliError> {
         let text = match find(scene)? {
-            Found::File(path) => {
+            SceneLocation::File(path) => {
                 thenar_output::protect(&path);
                 read_scene(&path)?
             }
-            Found::Builtin(known) => known.text.into(),
+            SceneLocation::Builtin(known) => known.text.into(),
         };
         Ok(Self { text, file: file(scene)?, files: Files::default() })
     }

@@ -1,6 +1,6 @@
 //! The cases of a shard on threads: whoever is free takes the next.
 
-use super::case::{Cut, run_case};
+use super::case::{CaseFailure, run_case};
 use super::plan::Plan;
 use super::record::Record;
 use super::{Args, Scene, ShardFiles};
@@ -47,7 +47,8 @@ pub fn run(
             }
             let overrides = plan.overrides(case);
             let record = run_case(args, scene, place, case, &overrides, asked);
-            let written = record.and_then(|r| r.write(&place.cases).map(|()| r).map_err(Cut::from));
+            let written =
+                record.and_then(|r| r.write(&place.cases).map(|()| r).map_err(CaseFailure::from));
             match written {
                 Ok(record) => {
                     let done = 1 + done.fetch_add(1, Relaxed);
@@ -59,8 +60,8 @@ pub fn run(
                         meter.suspend(|| eprintln!("warning: case {case} failed: {reason}"));
                     }
                 }
-                Err(Cut::Asked) => return,
-                Err(Cut::Failed(cause)) => {
+                Err(CaseFailure::Asked) => return,
+                Err(CaseFailure::Failed(cause)) => {
                     stop.store(true, Relaxed);
                     error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(cause);
                     return;

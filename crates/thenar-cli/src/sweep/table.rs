@@ -28,9 +28,9 @@ pub fn read(file: &Path) -> Result<Table, CliError> {
 }
 
 /// Line and what is wrong in it.
-type Wrong = (usize, String);
+type LineError = (usize, String);
 
-fn parse(text: &str) -> Result<Table, Wrong> {
+fn parse(text: &str) -> Result<Table, LineError> {
     let mut records = records(text.trim_start_matches('\u{feff}'))?.into_iter();
     let Some((line, keys)) = records.next() else {
         return Err((1, "the table is empty; its first line names keys".into()));
@@ -58,7 +58,7 @@ fn parse(text: &str) -> Result<Table, Wrong> {
 
 /// Splits into records and fields; lines that are empty are left out. Numbers are of each record's
 /// first line.
-fn records(text: &str) -> Result<Vec<(usize, Vec<String>)>, Wrong> {
+fn records(text: &str) -> Result<Vec<(usize, Vec<String>)>, LineError> {
     let mut records = Vec::new();
     let (mut line, mut first) = (1, 1);
     let (mut fields, mut field) = (Vec::new(), String::new());

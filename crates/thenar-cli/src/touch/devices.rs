@@ -4,9 +4,9 @@ use super::simulated::Simulated;
 use crate::error::CliError;
 use std::path::PathBuf;
 use thenar_link::haptic_loop::{
-    HapticLoop, LoopError, LoopMode, Remote, STATEMENT, Settings, Watcher,
+    HapticLoop, LoopError, LoopMode, RecordCallback, Remote, STATEMENT, Settings,
 };
-use thenar_link::wearer::{Wearer, worn};
+use thenar_link::wearer::{Wearer, limited_to_comfort};
 use thenar_link::{ForceDisplay, LinkError, Tracker};
 
 /// Devices, and how they are felt.
@@ -77,7 +77,7 @@ impl DeviceOptions {
     pub fn start(
         &self,
         more: Vec<Box<dyn Tracker>>,
-        watcher: Option<Watcher>,
+        watcher: Option<RecordCallback>,
     ) -> Result<(HapticLoop, Simulated), CliError> {
         if self.force.is_some_and(|part| !(0.0..=1.0).contains(&part)) {
             return Err(CliError::Input("--force must be 0 to 1".into()));
@@ -132,7 +132,7 @@ fn dressed(
     address: &str,
     wearer: &Wearer,
 ) -> Box<dyn ForceDisplay> {
-    let (display, comfort) = worn(display, address, wearer);
+    let (display, comfort) = limited_to_comfort(display, address, wearer);
     if let (Some(comfort), Some(file)) = (comfort, &wearer.file) {
         println!("{address}: {comfort}, by {}", file.display());
     }
@@ -141,11 +141,11 @@ fn dressed(
 
 /// Prints what devices and loop have to tell, each once.
 #[derive(Debug, Default)]
-pub struct Teller {
+pub struct MessagePrinter {
     told: Vec<String>,
 }
 
-impl Teller {
+impl MessagePrinter {
     /// Prints what is new.
     pub fn tell(&mut self, remote: &Remote) {
         let messages = remote.status().messages;

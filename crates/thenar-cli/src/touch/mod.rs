@@ -5,7 +5,7 @@ mod report;
 mod simulated;
 mod ticks;
 
-pub use devices::{DeviceOptions, ModeWord, Teller};
+pub use devices::{DeviceOptions, MessagePrinter, ModeWord};
 pub use simulated::Simulated;
 pub use ticks::recorder as tick_recorder;
 
@@ -15,7 +15,7 @@ use crate::recording::{RecordOptions, Recording};
 use crate::run::{open_live, tell};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use thenar_link::haptic_loop::{Alarm, Deadlines, Histogram, Remote, SimulationPort};
+use thenar_link::haptic_loop::{DeadlineTimer, Deadlines, Histogram, Remote, SimulationPort};
 use thenar_link::now_ns;
 use thenar_scene::recording::TimeOf;
 use thenar_scene::session::Session;
@@ -43,7 +43,7 @@ pub struct Args {
 }
 
 /// Performance of the simulation beside the loop.
-pub struct Beside {
+pub struct SimulationTiming {
     /// Time of each step, with its frame \[ns\].
     pub costs: Histogram,
     /// Simulated over real time.
@@ -109,21 +109,22 @@ fn simulate(
     remote: &Remote,
     args: &Args,
     mut recording: Option<&mut Recording>,
-) -> Result<Beside, CliError> {
-    let alarm = Alarm::set();
+) -> Result<SimulationTiming, CliError> {
+    let timer = DeadlineTimer::set();
     let period = Duration::from_secs_f64(session.world().time_step());
     let mut deadlines = Deadlines::new(period, now_ns());
-    let (begun, mut simulated, mut teller) = (Instant::now(), 0.0, Teller::default());
+    let (begun, mut simulated, mut message_printer) =
+        (Instant::now(), 0.0, MessagePrinter::default());
     let mut costs = Histogram::default();
     let mut second = 1;
     loop {
         let elapsed = begun.elapsed().as_secs_f64();
         if interrupt::asked() || args.seconds.is_some_and(|end| elapsed >= end) {
-            return Ok(Beside { costs, speed: simulated / elapsed.max(1e-9) });
+            return Ok(SimulationTiming { costs, speed: simulated / elapsed.max(1e-9) });
         }
         if elapsed >= f64::from(second) {
             second += 1;
-            teller.tell(remote);
+            message_printer.tell(remote);
             if !args.quiet {
                 report::line(elapsed, &remote.status());
             }
@@ -131,7 +132,7 @@ fn simulate(
         if let Some(recording) = &mut recording {
             recording.complain();
         }
-        alarm.wait(deadlines.next_ns());
+        timer.wait(deadlines.next_ns());
         let began = now_ns();
         port.before_step(session, began).map_err(|error| CliError::Input(error.to_string()))?;
         session.step(&mut ());

@@ -1,6 +1,6 @@
 //! Report on a session of touch, for a person.
 
-use super::Beside;
+use super::SimulationTiming;
 use thenar_core::model::Side;
 use thenar_link::haptic_loop::{Histogram, Status};
 
@@ -37,7 +37,7 @@ pub fn line(elapsed: f64, status: &Status) {
 }
 
 /// The whole session.
-pub fn print(status: &Status, beside: &Beside) {
+pub fn print(status: &Status, beside: &SimulationTiming) {
     println!();
     println!(
         "{} ticks at {} Hz, {} left out, {} times taken over by the watchdog",

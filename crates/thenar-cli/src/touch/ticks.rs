@@ -2,7 +2,7 @@
 
 use crate::recording::Recording;
 use thenar_core::model::Side;
-use thenar_link::haptic_loop::{TickRecord, Watcher};
+use thenar_link::haptic_loop::{RecordCallback, TickRecord};
 use thenar_link::{DIGITS, now_ns};
 use thenar_record::{Channel, Field};
 
@@ -10,7 +10,7 @@ use thenar_record::{Channel, Field};
 const WAITING: usize = 8000;
 
 /// Takes every record of the loop into the channel `haptic` of a recording.
-pub fn recorder(recording: &mut Recording) -> Watcher {
+pub fn recorder(recording: &mut Recording) -> RecordCallback {
     let mut fields: Vec<Field> = [
         ("late", "s"),
         ("cost", "s"),

@@ -323,11 +323,11 @@ fn cut_again_and_again(signal: &str) {
         child.0.wait().unwrap();
         if signal != "-KILL" {
             let names = std::fs::read_dir(folder.0.join("d/shard-1-of-1"));
-            let drafts = names
+            let partial_files = names
                 .into_iter()
                 .flatten()
                 .filter(|e| e.as_ref().unwrap().file_name().to_string_lossy().contains(".part"));
-            assert_eq!(drafts.count(), 0);
+            assert_eq!(partial_files.count(), 0);
         }
         // What was there has stayed.
         let now = recorded(&folder).len();

@@ -7,20 +7,20 @@ use super::{Condensed, RigidState};
 /// A simulation frame, as the haptic loop needs it.
 #[derive(Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SlowToFast {
+pub struct BoneFrame {
     /// Time at which the frame's inputs were taken \[ns\]; its age counts from here.
     pub time_ns: u64,
     /// Simulation step; a larger one is a newer frame.
     pub step: u64,
     /// The simulated bones.
     pub bones: Vec<RigidState>,
-    /// Bones as they would be in empty air, led by `FastToSlow::free`; empty where unknown.
+    /// Bones as they would be in empty air, led by `ProxyTargets::free`; empty where unknown.
     pub free: Vec<RigidState>,
     /// Response until the next frame; without contacts and compliance when it is not used.
     pub response: Condensed,
 }
 
-impl Clone for SlowToFast {
+impl Clone for BoneFrame {
     /// With all of its room.
     fn clone(&self) -> Self {
         let mut free = Vec::with_capacity(self.bones.len());
@@ -30,7 +30,7 @@ impl Clone for SlowToFast {
     }
 }
 
-impl SlowToFast {
+impl BoneFrame {
     /// A frame of bones at rest, with room for `contacts_max` contacts.
     pub fn new(bones: &[RigidState], contacts_max: usize) -> Self {
         Self {

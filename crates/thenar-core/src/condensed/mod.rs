@@ -9,6 +9,6 @@ mod frame;
 mod response;
 mod rigid_state;
 
-pub use frame::SlowToFast;
+pub use frame::BoneFrame;
 pub use response::{Condensed, CondensedContact};
 pub use rigid_state::RigidState;

@@ -40,7 +40,7 @@ const OVERLAP: f64 = 0.05;
 /// Pairs of a vertex and a triangle that are neighbours: near along the surface at rest, on two
 /// sides of a thin part, overlapping, or carried by one bone or two joined ones.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Apart {
+pub(crate) struct SeparateTriangles {
     /// Neighbours of vertex v: `triangles[start[v]..start[v + 1]]`, sorted.
     start: Vec<u32>,
     triangles: Vec<u32>,
@@ -71,7 +71,7 @@ impl Regions {
     }
 }
 
-impl Apart {
+impl SeparateTriangles {
     /// For a surface with its vertices at rest at `x`.
     pub fn new(surface: &Surface, x: &[Vec3], regions: Regions) -> Self {
         let edges = surface_edges(surface, x);
@@ -80,7 +80,7 @@ impl Apart {
             surface.triangles.iter().map(|t| Aabb::of_points(&corners(t))).collect();
         let tree = Bvh::build(&boxes);
         let mut apart = Self { start: vec![0], ..Self::default() };
-        let mut near = Near::new(x.len());
+        let mut near = EdgeSearch::new(x.len());
         for v in 0..x.len() {
             let mut triangles: Vec<u32> = near
                 .along(&edges, v, ALONG * surface.edge_mean)
@@ -261,12 +261,12 @@ fn surface_edges(surface: &Surface, x: &[Vec3]) -> Vec<Vec<(u32, f64)>> {
 }
 
 /// Work space of a search along edges (Dijkstra 1959).
-struct Near {
+struct EdgeSearch {
     distance: Vec<f64>,
     reached: Vec<u32>,
 }
 
-impl Near {
+impl EdgeSearch {
     fn new(vertices: usize) -> Self {
         Self { distance: vec![f64::INFINITY; vertices], reached: Vec::new() }
     }
@@ -319,7 +319,7 @@ mod tests {
     use crate::model::{EmbeddedSurface, Flesh, SurfaceVertex};
 
     /// Neighbours on a surface with these vertices, which no bone carries.
-    fn apart(points: &[Vec3], triangles: Vec<[u32; 3]>) -> (Surface, Apart) {
+    fn apart(points: &[Vec3], triangles: Vec<[u32; 3]>) -> (Surface, SeparateTriangles) {
         apart_on_bones(points, triangles, Regions::default())
     }
 
@@ -327,7 +327,7 @@ mod tests {
         points: &[Vec3],
         triangles: Vec<[u32; 3]>,
         regions: Regions,
-    ) -> (Surface, Apart) {
+    ) -> (Surface, SeparateTriangles) {
         // In a tetrahedron of unit legs, coordinates are weights.
         let weights = |p: &Vec3| [1.0 - p.sum(), p.x, p.y, p.z];
         let vertices = points.iter().map(|p| SurfaceVertex { tet: 0, weights: weights(p) });
@@ -343,7 +343,7 @@ mod tests {
             friction: 0.0,
         };
         let surface = Surface::new(0, &flesh, 0, &[]);
-        let apart = Apart::new(&surface, points, regions);
+        let apart = SeparateTriangles::new(&surface, points, regions);
         (surface, apart)
     }
 
@@ -409,8 +409,9 @@ mod tests {
         let (surface, large) = apart(&points, triangles);
         assert!(surface.tree.node_count() > NODES_MAX && large.settled.is_empty());
         assert!(!large.are_settled(0, 0));
-        let per_vertex =
-            |apart: &Apart| apart.triangles.len() as f64 / (apart.start.len() - 1) as f64;
+        let per_vertex = |apart: &SeparateTriangles| {
+            apart.triangles.len() as f64 / (apart.start.len() - 1) as f64
+        };
         assert!(per_vertex(&large) < 1.2 * per_vertex(&small), "{}", per_vertex(&large));
         // What is near stays so, what is far too.
         let near = surface.triangles.iter().position(|t| t.contains(&0)).unwrap();

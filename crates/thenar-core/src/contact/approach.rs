@@ -6,7 +6,7 @@
 //! tangent plane where it arrives, so that fast points are caught before they cross and points
 //! that fly past are left alone. A point inside a thin shape is led out on the side it came in.
 
-use crate::contact::soft_way::KEPT;
+use crate::contact::soft_way::HYSTERESIS;
 use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 
@@ -34,7 +34,7 @@ const OUTSIDE: f64 = 1e-6;
 
 /// The side of a shape on which a point was last seen, in the shape frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct LastSide {
     /// Outward normal then.
     pub normal: Vec3,
     /// Position of the point then.
@@ -112,7 +112,7 @@ pub(crate) fn keep_side(
     p: &Vec3,
     u: &Vec3,
     now: Distance,
-    seen: Option<Seen>,
+    seen: Option<LastSide>,
 ) -> Distance {
     if now.value >= 0.0 {
         return match seen {
@@ -122,7 +122,7 @@ pub(crate) fn keep_side(
             _ => now,
         };
     }
-    let Some(Seen { normal, place }) = seen.or_else(|| entry(shape, p, u, now.value)) else {
+    let Some(LastSide { normal, place }) = seen.or_else(|| entry(shape, p, u, now.value)) else {
         return now;
     };
     let turned = normal.dot(&now.gradient);
@@ -131,7 +131,7 @@ pub(crate) fn keep_side(
     }
     let found = match turned < -SQUARE {
         true => came_through(shape, &place, p, &normal),
-        false => way_out(shape, p, &normal).filter(|out| out.value > KEPT * now.value),
+        false => way_out(shape, p, &normal).filter(|out| out.value > HYSTERESIS * now.value),
     };
     found.unwrap_or(now)
 }
@@ -146,7 +146,7 @@ fn came_through(shape: &Shape, from: &Vec3, p: &Vec3, normal: &Vec3) -> Option<D
 }
 
 /// Normal of the surface where a point now inside came in, if it can have come in by `u`.
-fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Seen> {
+fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<LastSide> {
     let length = u.norm();
     let from = p - u;
     if length <= -depth {
@@ -158,7 +158,7 @@ fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Seen> {
     }
     let near = ENTERED * length;
     let arrival = approach_from(shape, &from, there, u, 0.0, near)?;
-    Some(Seen { normal: arrival.gradient, place: from })
+    Some(LastSide { normal: arrival.gradient, place: from })
 }
 
 /// True when the segment between two points lies `depth` \[m\] inside the shape somewhere, as far
@@ -286,7 +286,7 @@ mod tests {
         for depth in [0.0002, 0.0009, 0.0011, 0.0019, 0.00199999] {
             let p = Vec3::new(0.01, 0.001 - depth, 0.0);
             let now = PLATE.distance(&p);
-            let seen = Seen { normal: Vec3::y(), place: Vec3::new(0.01, 0.0012, 0.0) };
+            let seen = LastSide { normal: Vec3::y(), place: Vec3::new(0.01, 0.0012, 0.0) };
             let d = keep_side(&PLATE, &p, &Vec3::zeros(), now, Some(seen));
             assert!((d.value + depth).abs() < 1e-8, "depth {depth}: {}", d.value);
             assert_eq!(d.gradient, Vec3::y());
@@ -300,11 +300,11 @@ mod tests {
     #[test]
     fn a_point_that_slipped_through_is_called_back_and_one_that_went_round_is_not() {
         let below = Vec3::new(0.01, -0.003, 0.0);
-        let seen = Seen { normal: Vec3::y(), place: Vec3::new(0.01, 0.002, 0.0) };
+        let seen = LastSide { normal: Vec3::y(), place: Vec3::new(0.01, 0.002, 0.0) };
         let d = keep_side(&PLATE, &below, &Vec3::zeros(), PLATE.distance(&below), Some(seen));
         assert!((d.value + 0.004).abs() < 1e-8 && d.gradient == Vec3::y());
 
-        let seen = Seen { normal: Vec3::y(), place: Vec3::new(0.103, 0.002, 0.0) };
+        let seen = LastSide { normal: Vec3::y(), place: Vec3::new(0.103, 0.002, 0.0) };
         let round = Vec3::new(0.103, -0.002, 0.0);
         let now = PLATE.distance(&round);
         assert_eq!(keep_side(&PLATE, &round, &Vec3::zeros(), now, Some(seen)), now);
@@ -324,7 +324,7 @@ mod tests {
                     let rim = 10.0 * half - inward * half;
                     let place = Vec3::new(rim, half * (1.0 + above), 0.0);
                     let p = Vec3::new(rim, -half * (1.0 + below), 0.0);
-                    let seen = Some(Seen { normal: Vec3::y(), place });
+                    let seen = Some(LastSide { normal: Vec3::y(), place });
                     let now = plate.distance(&p);
                     let d = keep_side(&plate, &p, &(p - place), now, seen);
                     let what =
@@ -352,7 +352,7 @@ mod tests {
                 1.01 * radius * Vec3::new(cos, sin, 0.0)
             };
             let (place, p) = (at(70.0), at(-25.0));
-            let seen = Some(Seen { normal: place.normalize(), place });
+            let seen = Some(LastSide { normal: place.normalize(), place });
             let now = ball.distance(&p);
             assert_eq!(keep_side(&ball, &p, &(p - place), now, seen), now, "{radius} m");
         }
@@ -363,7 +363,7 @@ mod tests {
         let cube = Shape::Cuboid { half: Vec3::repeat(0.05) };
         let p = Vec3::new(0.0499, 0.045, 0.0);
         let now = cube.distance(&p);
-        let seen = Seen { normal: Vec3::y(), place: p };
+        let seen = LastSide { normal: Vec3::y(), place: p };
         // 5 mm below the top but 0.1 mm from the side.
         assert_eq!(keep_side(&cube, &p, &Vec3::zeros(), now, Some(seen)), now);
     }
@@ -377,7 +377,7 @@ mod tests {
         let now = ball.distance(&p);
         for (degrees, same) in [(44.0, true), (46.0, false), (58.0, false), (62.0, true)] {
             let (sin, cos) = f64::to_radians(degrees).sin_cos();
-            let seen = Seen { normal: Vec3::new(sin, cos, 0.0), place: p };
+            let seen = LastSide { normal: Vec3::new(sin, cos, 0.0), place: p };
             let d = keep_side(&ball, &p, &Vec3::zeros(), now, Some(seen));
             let way = Distance { value: -2e-4 / cos, gradient: seen.normal };
             let expected = if same { now } else { way };
@@ -395,7 +395,7 @@ mod tests {
         let p = Vec3::new(0.0099, 0.0097, 0.0);
         let now = cube.distance(&p);
         let lead = |tilt: f64| {
-            let seen = Seen { normal: Vec3::new(-tilt, 1.0, 0.0).normalize(), place: p };
+            let seen = LastSide { normal: Vec3::new(-tilt, 1.0, 0.0).normalize(), place: p };
             keep_side(&cube, &p, &Vec3::zeros(), now, Some(seen))
         };
         for tilt in [0.0, f64::from(f32::EPSILON), -f64::from(f32::EPSILON)] {

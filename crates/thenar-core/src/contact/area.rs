@@ -9,6 +9,7 @@
 //! share. Between two soft surfaces a patch has at least the area that its load asks for
 //! (`area_least`).
 
+use crate::capacity_vec::CapacityVec;
 use crate::contact::area_between::AtVertices;
 use crate::contact::area_faces::Faces;
 use crate::contact::area_least::Patches;
@@ -19,7 +20,6 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::area_vector;
 use crate::contact::{Contact, Distance, Site, SurfacePoint};
 use crate::math::Vec3;
-use crate::room::Room;
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ use std::ops::Range;
 pub(crate) const TOUCHING: f64 = 20e-6;
 
 /// A corner of less weight has no part in a point.
-pub(super) const LIGHT: f64 = 1e-9;
+pub(super) const WEIGHT_MIN: f64 = 1e-9;
 
 /// The area of a contact that touches, until it is known.
 const TO_COME: f64 = -1.0;
@@ -45,7 +45,7 @@ pub(crate) struct AreaScratch {
     near: Vec<u32>,
     share: Vec<f64>,
     /// Triangles with a count.
-    pub touched: Room<u32>,
+    pub touched: CapacityVec<u32>,
     /// Between soft surfaces, what lies at each vertex.
     pub at_vertices: AtVertices,
     /// Loads and areas of patches.
@@ -60,7 +60,7 @@ impl AreaScratch {
             count: vec![0; triangles],
             near: vec![0; triangles],
             share: vec![0.0; triangles],
-            touched: Room::with_capacity(triangles),
+            touched: CapacityVec::with_capacity(triangles),
             at_vertices: AtVertices::with_size(vertices, contacts, triangles),
             patches: Patches::with_size(triangles, vertices, contacts),
         }
@@ -122,7 +122,7 @@ pub(crate) struct Skin<'a> {
 impl Skin<'_> {
     /// The triangles a contact lies on: those around a vertex, both of an edge, or one.
     pub fn triangles_of(&self, point: &SurfacePoint, mut each: impl FnMut(u32)) {
-        let heavy = |k: usize| point.weights[k] > LIGHT;
+        let heavy = |k: usize| point.weights[k] > WEIGHT_MIN;
         let around = self.surface.around(point.vertices[(0..3).find(|k| heavy(*k)).unwrap_or(0)]);
         for &t in around {
             let corners = self.surface.triangles[t as usize];

@@ -4,8 +4,9 @@
 //! A triangle of one surface is held against those of the other that contacts say it meets:
 //! whatever is near makes one.
 
+use crate::capacity_vec::CapacityVec;
 use crate::contact::aabb::Aabb;
-use crate::contact::area::{AreaScratch, LIGHT, Skin, TOUCHING, soft_point};
+use crate::contact::area::{AreaScratch, Skin, TOUCHING, WEIGHT_MIN, soft_point};
 use crate::contact::area_samples::{PARTS_MAX, area_below};
 use crate::contact::nearest::longest_edge;
 use crate::contact::triangle::{
@@ -13,7 +14,6 @@ use crate::contact::triangle::{
 };
 use crate::contact::{Contact, Distance, SurfacePoint};
 use crate::math::Vec3;
-use crate::room::Room;
 
 /// Each triangle is divided into parts half as long as an edge of the other surface: each then
 /// meets an edge or two.
@@ -27,27 +27,27 @@ pub(super) struct AtVertices {
     first: Vec<u32>,
     /// Next point in the list of each point. A point's number is twice that of its contact, and one
     /// more on side B.
-    next: Room<u32>,
+    next: CapacityVec<u32>,
     /// Vertices with a list.
-    listed: Room<u32>,
+    listed: CapacityVec<u32>,
     /// Distance of each contact at the end of the step \[m\].
-    gaps: Room<f64>,
+    gaps: CapacityVec<f64>,
     /// Touch at each point on one side, in the order of `points_on`: true where the contact
     /// touches, false where it only is near.
-    touching: Room<Option<bool>>,
+    touching: CapacityVec<Option<bool>>,
     /// Triangles that one of the other surface meets.
-    facing: Room<Facing>,
+    facing: CapacityVec<FacingTriangle>,
 }
 
 impl AtVertices {
     pub fn with_size(vertices: usize, contacts: usize, triangles: usize) -> Self {
         Self {
             first: vec![NONE; vertices],
-            next: Room::with_capacity(2 * contacts),
-            listed: Room::with_capacity(vertices),
-            gaps: Room::with_capacity(contacts),
-            touching: Room::with_capacity(2 * contacts),
-            facing: Room::with_capacity(triangles),
+            next: CapacityVec::with_capacity(2 * contacts),
+            listed: CapacityVec::with_capacity(vertices),
+            gaps: CapacityVec::with_capacity(contacts),
+            touching: CapacityVec::with_capacity(2 * contacts),
+            facing: CapacityVec::with_capacity(triangles),
         }
     }
 
@@ -85,7 +85,7 @@ fn point(of: &[Contact], k: u32) -> Option<&SurfacePoint> {
 
 /// The vertices a point lies between.
 fn vertices(point: &SurfacePoint) -> impl Iterator<Item = u32> + '_ {
-    (0..3).filter(|k| point.weights[*k] > LIGHT).map(|k| point.vertices[k])
+    (0..3).filter(|k| point.weights[*k] > WEIGHT_MIN).map(|k| point.vertices[k])
 }
 
 /// Areas of contacts between two soft surfaces (or one and itself). `gap` gives each contact's
@@ -160,7 +160,7 @@ fn points_on(contact: &Contact, soft: u32) -> impl Iterator<Item = &SurfacePoint
 
 /// A triangle that another may touch.
 #[derive(Clone, Copy, Debug)]
-struct Facing {
+struct FacingTriangle {
     triangle: u32,
     x: [Vec3; 3],
     normal: Vec3,
@@ -169,7 +169,7 @@ struct Facing {
     radius: f64,
 }
 
-impl Facing {
+impl FacingTriangle {
     fn new(triangle: u32, x: [Vec3; 3]) -> Self {
         let middle = (x[0] + x[1] + x[2]) / 3.0;
         let radius = x.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
@@ -220,7 +220,7 @@ fn face(
         let [p, q, r] = &corners;
         let is_near = Aabb { min: *p, max: *p }.with(q).with(r).overlaps(&around);
         if is_near && facing.iter().all(|f| f.triangle != o) {
-            facing.push(Facing::new(o, corners));
+            facing.push(FacingTriangle::new(o, corners));
         }
     };
     for there in met().filter_map(|k| point(of, k ^ 1)) {
@@ -235,7 +235,7 @@ fn face(
 /// Distance from the nearest of these triangles, negative behind it: not deeper than contacts say,
 /// by `deepest` \[m\]. What seems to be lies beyond the rim of these triangles, apart from those
 /// that follow.
-fn distance(p: &Vec3, facing: &[Facing], other: &Skin, deepest: f64) -> Distance {
+fn distance(p: &Vec3, facing: &[FacingTriangle], other: &Skin, deepest: f64) -> Distance {
     let near = signed(p, facing, other);
     if near.value >= -deepest {
         return near;
@@ -244,8 +244,8 @@ fn distance(p: &Vec3, facing: &[Facing], other: &Skin, deepest: f64) -> Distance
 }
 
 /// Distance from the nearest of these triangles, negative behind it.
-fn signed(p: &Vec3, facing: &[Facing], other: &Skin) -> Distance {
-    let mut nearest: Option<(&Facing, Closest)> = None;
+fn signed(p: &Vec3, facing: &[FacingTriangle], other: &Skin) -> Distance {
+    let mut nearest: Option<(&FacingTriangle, Closest)> = None;
     for f in facing {
         let least = nearest.map_or(f64::INFINITY, |(_, near)| near.distance_squared);
         let beyond = (p - f.middle).norm() - f.radius;
@@ -288,7 +288,7 @@ mod tests {
         for i in 0..500 {
             let x = [0; 3].map(|_| random.vector(0.005));
             let y = [0; 3].map(|_| random.vector(0.005) + Vec3::x() * 0.006);
-            let facing = Facing::new(0, x);
+            let facing = FacingTriangle::new(0, x);
             let places = (0..=n).flat_map(|i| (0..=n - i).map(move |j| [i, j]));
             let to_x = places.map(|place| {
                 let [u, v] = place.map(|k| f64::from(k) / f64::from(n));

@@ -12,11 +12,11 @@
 //!
 //! [`TOUCHING`]: crate::contact::area::TOUCHING
 
-use crate::contact::area::{LIGHT, Skin, soft_point};
+use crate::capacity_vec::CapacityVec;
+use crate::contact::area::{Skin, WEIGHT_MIN, soft_point};
 use crate::contact::triangle::stands_for;
 use crate::contact::{Contact, SurfacePoint};
 use crate::math::Vec3;
-use crate::room::Room;
 
 const NONE: u32 = u32::MAX;
 
@@ -26,15 +26,15 @@ pub(super) struct Patches {
     /// A contact on each triangle and at each vertex, and the triangles and vertices with one.
     on: Vec<u32>,
     at: Vec<u32>,
-    triangles: Room<u32>,
-    corners: Room<u32>,
+    triangles: CapacityVec<u32>,
+    corners: CapacityVec<u32>,
     /// Normal force at each vertex, its size and its sum \[N\], and the vertices with one.
     pressed: Vec<(f64, Vec3)>,
-    vertices: Room<u32>,
+    vertices: CapacityVec<u32>,
     /// For each contact another of its patch, for one of them itself.
-    next: Room<u32>,
+    next: CapacityVec<u32>,
     /// For that one: load \[N\], area \[m²\] and largest pressure \[Pa\] of the patch.
-    patches: Room<[f64; 3]>,
+    patches: CapacityVec<[f64; 3]>,
 }
 
 impl Patches {
@@ -43,12 +43,12 @@ impl Patches {
         Self {
             on: vec![NONE; triangles],
             at: vec![NONE; vertices],
-            triangles: Room::with_capacity(triangles),
-            corners: Room::with_capacity(vertices),
+            triangles: CapacityVec::with_capacity(triangles),
+            corners: CapacityVec::with_capacity(vertices),
             pressed: vec![(0.0, Vec3::zeros()); vertices],
-            vertices: Room::with_capacity(vertices),
-            next: Room::with_capacity(contacts),
-            patches: Room::with_capacity(contacts),
+            vertices: CapacityVec::with_capacity(vertices),
+            next: CapacityVec::with_capacity(contacts),
+            patches: CapacityVec::with_capacity(contacts),
         }
     }
 
@@ -91,7 +91,7 @@ impl Patches {
     fn join(&mut self, skin: &Skin, of: &[Contact], touches: impl Fn(usize) -> bool) {
         let Self { on, at, triangles, corners: listed, next, .. } = self;
         for (i, contact) in of.iter().enumerate().filter(|(i, _)| touches(*i)) {
-            let mut meet = |first: &mut u32, list: &mut Room<u32>, place: u32| {
+            let mut meet = |first: &mut u32, list: &mut CapacityVec<u32>, place: u32| {
                 if *first == NONE {
                     *first = i as u32;
                     list.push(place);
@@ -164,7 +164,7 @@ fn points_on<'a>(
 }
 
 fn corners(point: &SurfacePoint) -> impl Iterator<Item = (u32, f64)> {
-    point.vertices.into_iter().zip(point.weights).filter(|(_, weight)| *weight > LIGHT)
+    point.vertices.into_iter().zip(point.weights).filter(|(_, weight)| *weight > WEIGHT_MIN)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! mostly far from it.
 
 use crate::contact::aabb::Aabb;
-use crate::contact::apart::Apart;
+use crate::contact::apart::SeparateTriangles;
 use crate::contact::collector::KnownDepths;
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::surface::Surface;
@@ -215,7 +215,11 @@ impl Since<'_> {
 
     /// True when two surfaces, or two parts of one, have moved past each other by more than the
     /// slack where they are near to each other.
-    pub fn may_deepen(&self, sides: [(&Surface, &Clusters); 2], apart: Option<&Apart>) -> bool {
+    pub fn may_deepen(
+        &self,
+        sides: [(&Surface, &Clusters); 2],
+        apart: Option<&SeparateTriangles>,
+    ) -> bool {
         let known = &self.known;
         let [a, b] = sides.map(|(surface, _)| known.of_soft(surface.soft));
         let [depth, other] = sides.map(|(surface, _)| surface.depth_max());

@@ -4,7 +4,7 @@ mod search;
 mod two_rigid;
 
 use crate::contact::aabb::Aabb;
-use crate::contact::apart::Apart;
+use crate::contact::apart::SeparateTriangles;
 use crate::contact::area::{self, AreaScratch, Skin};
 use crate::contact::area_between::between_soft;
 use crate::contact::collector::{Collector, KnownDepths};
@@ -35,7 +35,7 @@ pub struct Detector {
     soft_rigid: Vec<SoftPair>,
     soft_soft: Vec<SoftPair>,
     /// Per surface, its neighbouring parts, if it touches itself.
-    apart: Vec<Option<Apart>>,
+    apart: Vec<Option<SeparateTriangles>>,
     clusters: Vec<Clusters>,
     capacity: usize,
     /// Least thickness of a rigid body \[m\].
@@ -127,7 +127,7 @@ impl Detector {
         for (surface, soft) in self.surfaces.iter_mut().zip(&desc.softs) {
             surface.friction = soft.flesh.friction;
         }
-        let wanted = |(i, apart): (usize, &Option<Apart>)| {
+        let wanted = |(i, apart): (usize, &Option<SeparateTriangles>)| {
             apart.is_some() == desc.self_contact.contains(&(i as u32))
         };
         if !self.apart.iter().enumerate().all(wanted) {

@@ -1,12 +1,12 @@
 //! The contact points of one pair of rigid bodies.
 
+use crate::capacity_vec::CapacityVec;
 use crate::math::{Vec3, tangents};
-use crate::room::Room;
 
 /// Points held at once. When there are more, those that would be delivered last are let go.
 pub(super) const OFFERED_MAX: usize = 64;
 /// Number of points that remain then.
-const KEPT: usize = 32;
+const POINTS_KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
 pub(crate) const DELIVERED_MAX: usize = 12;
 /// Height over the deepest point, in parts of how far apart points lie, past which the lower points
@@ -41,14 +41,14 @@ pub(crate) struct ManifoldPoint {
 /// themselves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Manifold {
-    points: Room<ManifoldPoint>,
+    points: CapacityVec<ManifoldPoint>,
     /// The first of them.
     own: usize,
 }
 
 impl Manifold {
     pub fn new() -> Self {
-        Self { points: Room::with_capacity(OFFERED_MAX), own: 0 }
+        Self { points: CapacityVec::with_capacity(OFFERED_MAX), own: 0 }
     }
 
     pub fn clear(&mut self) {
@@ -59,7 +59,7 @@ impl Manifold {
     /// Begins another pair of pieces, for which half the room is kept. Returns the index of its
     /// first point, which stays its first whatever is offered.
     pub fn begin(&mut self) -> usize {
-        self.leave(0, KEPT);
+        self.leave(0, POINTS_KEPT);
         self.own = self.points.len();
         self.own
     }

@@ -20,7 +20,7 @@ const AS_DEEP: f64 = 1.2;
 pub(super) fn of_cuboid(pair: &Pair, half: &Vec3, mesh: &MeshShape, manifold: &mut Manifold) {
     offer_crossings(pair, manifold, |found| {
         for (i, Edge { ends, normals }) in edge::of_cuboid(half).into_iter().enumerate() {
-            let edge = Crosses { i: i as u32, ends, normals, rounding: 0.0 };
+            let edge = CrossingEdge { i: i as u32, ends, normals, rounding: 0.0 };
             crossing(pair, &edge, mesh, &mesh.index.edges, found);
             crossing(pair, &edge, mesh, &mesh.index.bends, found);
         }
@@ -103,13 +103,13 @@ fn sharp_on(
     sharp.tree.overlapping(&around.inflate(pair.reach.margin + ahead), |i| {
         let MeshEdge { vertices, normals } = sharp.list[i as usize];
         let ends = vertices.map(|v| mesh.points[v as usize]);
-        let edge = Crosses { i, ends, normals, rounding: mesh.index.rounding };
+        let edge = CrossingEdge { i, ends, normals, rounding: mesh.index.rounding };
         crossing(pair, &edge, below, others, found);
     });
 }
 
 /// An edge of A: its number, ends, normals of its faces and rounding, in A's frame.
-struct Crosses {
+struct CrossingEdge {
     i: u32,
     ends: [Vec3; 2],
     normals: [Vec3; 2],
@@ -125,7 +125,7 @@ fn thicknesses(pair: &Pair) -> [f64; 2] {
 /// One edge of A and those of mesh B that it crosses, or comes to on its way.
 fn crossing(
     pair: &Pair,
-    edge: &Crosses,
+    edge: &CrossingEdge,
     mesh: &MeshShape,
     others: &Edges,
     found: &mut dyn FnMut(Crossing),

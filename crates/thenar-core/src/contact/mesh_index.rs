@@ -116,7 +116,7 @@ impl MeshIndex {
                 index.vertex_normals[triangles[t as usize][k] as usize] += angle * normal;
             }
         }
-        let mut pieces = Pieces::new(triangles.len());
+        let mut pieces = PieceSets::new(triangles.len());
         let open = index.join_edges(triangles, &items, points, &mut pieces);
         let boxes: Vec<Aabb> = items.iter().map(|&t| Aabb::of_points(&corners(t))).collect();
         pieces.hold_cavities(&items, &boxes, &corners);
@@ -151,7 +151,7 @@ impl MeshIndex {
         triangles: &[[u32; 3]],
         items: &[u32],
         points: &[Vec3],
-        pieces: &mut Pieces,
+        pieces: &mut PieceSets,
     ) -> Vec<u32> {
         let mut sides: Vec<([u32; 2], u32, usize)> = Vec::with_capacity(3 * items.len());
         for &t in items {
@@ -248,9 +248,9 @@ impl MeshIndex {
 }
 
 /// Sets of triangles, joined one by one.
-struct Pieces(Vec<u32>);
+struct PieceSets(Vec<u32>);
 
-impl Pieces {
+impl PieceSets {
     fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }

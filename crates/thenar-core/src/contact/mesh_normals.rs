@@ -36,7 +36,7 @@ impl Pair<'_> {
         let seen = self.seen_off(q_W, gap, &n_W);
         let upright_W = seen.gradient_W;
         let shorter = 0.5 * (n_W - upright_W).norm_squared() * gap.abs();
-        let is_known = || !matches!(self.straight(&n_W), Straight::All);
+        let is_known = || !matches!(self.straight(&n_W), StraightDirections::All);
         if seen.is_within(SAME) || shorter > unknown || is_known() {
             return (n_W, seen);
         }
@@ -53,9 +53,9 @@ impl Pair<'_> {
             return true;
         }
         match self.straight(n_W) {
-            Straight::Nowhere => false,
-            Straight::All => seen.is_within(STANDING),
-            Straight::Along(line_W) => {
+            StraightDirections::Nowhere => false,
+            StraightDirections::All => seen.is_within(STANDING),
+            StraightDirections::Along(line_W) => {
                 let leans = seen.gradient_W - n_W.dot(&seen.gradient_W) * n_W;
                 let across = leans - leans.dot(&line_W) * line_W;
                 across.norm() <= SAME && seen.is_within(STANDING)
@@ -65,24 +65,24 @@ impl Pair<'_> {
 
     /// Returns the directions in which A is straight beside the point from which `n_W` leads
     /// inwards.
-    fn straight(&self, n_W: &Vec3) -> Straight {
+    fn straight(&self, n_W: &Vec3) -> StraightDirections {
         let axis_W = self.a.rotation.column(1).into_owned();
         let along = -n_W.dot(&axis_W);
         // How much the normals of its straight lines, and of its flat ends, look along the axis.
         let (side, ends): (f64, &[f64]) = match self.a.shape {
-            Shape::Sphere { .. } | Shape::Ellipsoid { .. } => return Straight::Nowhere,
+            Shape::Sphere { .. } | Shape::Ellipsoid { .. } => return StraightDirections::Nowhere,
             Shape::Capsule { .. } => (0.0, &[]),
             Shape::Cylinder { .. } => (0.0, &[-1.0, 1.0]),
             Shape::Cone { radius, height } => (radius / radius.hypot(*height), &[-1.0]),
             Shape::Cuboid { .. } | Shape::HalfSpace | Shape::Mesh(_) | Shape::Compound(_) => {
-                return Straight::All;
+                return StraightDirections::All;
             }
         };
         if (along - side).abs() <= STANDING {
-            return Straight::Along((axis_W + along * n_W).normalize());
+            return StraightDirections::Along((axis_W + along * n_W).normalize());
         }
         let is_end = |end: &f64| (along - end).abs() <= 0.5 * STANDING * STANDING;
-        if ends.iter().any(is_end) { Straight::All } else { Straight::Nowhere }
+        if ends.iter().any(is_end) { StraightDirections::All } else { StraightDirections::Nowhere }
     }
 }
 
@@ -103,7 +103,7 @@ impl SeenOff {
 }
 
 /// Directions in which a surface is straight.
-enum Straight {
+enum StraightDirections {
     Nowhere,
     Along(Vec3),
     All,

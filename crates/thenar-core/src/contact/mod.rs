@@ -40,7 +40,6 @@ mod ellipsoid;
 mod fast_tests;
 mod features;
 mod grid;
-mod groups;
 mod manifold;
 mod mesh_clear;
 mod mesh_crossing;
@@ -93,6 +92,7 @@ mod traced;
 mod triangle;
 #[cfg(test)]
 mod truth_tests;
+mod union_find;
 
 pub(crate) use collector::KnownDepths;
 pub use contact_point::{Contact, RigidPlace, SearchReport, Site, SurfacePoint, SurfaceState};

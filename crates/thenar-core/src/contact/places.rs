@@ -7,11 +7,11 @@
 //! of the way: less where it turns back, the whole way where it goes on. (One learning rate per
 //! unknown, by the sign of its changes [Jacobs 1988, Riedmiller and Braun 1993].)
 
+use crate::capacity_vec::CapacityVec;
 use crate::contact::Shape;
 use crate::contact::area::TOUCHING;
 use crate::contact::blunt::has_edges;
 use crate::math::Vec3;
-use crate::room::Room;
 
 /// The part of the way that a new place goes at first, and the least: what 20 turns back leave of
 /// it.
@@ -107,7 +107,7 @@ pub struct HeldPlace {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Places {
     /// Sorted by key once the search is over.
-    pub held: Room<HeldPlace>,
+    pub held: CapacityVec<HeldPlace>,
 }
 
 impl Places {

@@ -1,6 +1,6 @@
 //! Surfaces that touched before are not led out as one along a seam of shallow cuts.
 
-use super::approach::Seen;
+use super::approach::LastSide;
 use super::sides::Sight;
 use super::tests::{Scene, cube, moved};
 use super::{Detector, SeenSides};
@@ -33,7 +33,7 @@ fn deepest(cells: u32, (turn, off): (Quat, Vec3), touched: &[usize]) -> f64 {
             for (v, p) in points.iter().enumerate().filter(|(_, p)| is_out(p)) {
                 // The other cube lay before each face.
                 let normal = -p.normalize();
-                sight.note(soft * count + v, 1 - soft as u32, Seen { normal, place: *p });
+                sight.note(soft * count + v, 1 - soft as u32, LastSide { normal, place: *p });
             }
         }
         now.sort();

@@ -34,7 +34,7 @@ pub(crate) struct Sharp {
 impl Sharp {
     /// Corners and edges of a shape, along edges a point at least every `spacing` \[m\].
     pub fn of(shape: &Shape, spacing: f64) -> Self {
-        let mut found = Found::default();
+        let mut found = SharpFeatures::default();
         found.collect(shape, &Pose::identity(), spacing);
         let mut inner = Vec::new();
         match shape {
@@ -45,7 +45,7 @@ impl Sharp {
             }),
             _ => inner_balls(shape, |ball| inner.push(ball)),
         }
-        let Found { mut points, within, edges, rounds } = found;
+        let SharpFeatures { mut points, within, edges, rounds } = found;
         let corners = points.len();
         points.extend(within);
         let (blocks, edges) = (Blocks::new(&points), Edges::new(edges));
@@ -54,7 +54,7 @@ impl Sharp {
 }
 
 #[derive(Default)]
-struct Found {
+struct SharpFeatures {
     points: Vec<Vec3>,
     /// Points within edges.
     within: Vec<Vec3>,
@@ -62,7 +62,7 @@ struct Found {
     rounds: Vec<PlacedShape>,
 }
 
-impl Found {
+impl SharpFeatures {
     fn collect(&mut self, shape: &Shape, pose_SP: &Pose, spacing: f64) {
         let first = [self.points.len(), self.within.len()];
         match shape {

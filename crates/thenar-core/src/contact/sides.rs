@@ -1,9 +1,9 @@
 //! Side of a body on which each soft vertex was, and places where skin was held.
 
-use crate::contact::approach::Seen;
+use crate::capacity_vec::CapacityVec;
+use crate::contact::approach::LastSide;
 use crate::contact::places::{HeldPlace, PlaceKey, Places};
 use crate::math::Vec3;
-use crate::room::Room;
 use std::ops::Range;
 
 /// Side of a body that a surface vertex near it last saw.
@@ -33,7 +33,7 @@ impl SeenSide {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SeenSides {
     /// Sorted by vertex, then body, once the search is over.
-    seen: Room<SeenSide>,
+    seen: CapacityVec<SeenSide>,
     /// Places that follow round parts. What writes a state down keeps them apart: they came last to
     /// it.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -47,8 +47,8 @@ impl SeenSides {
     /// Room for `sides` sides.
     pub fn with_capacity(sides: usize) -> Self {
         Self {
-            seen: Room::with_capacity(sides),
-            places: Places { held: Room::with_capacity(sides) },
+            seen: CapacityVec::with_capacity(sides),
+            places: Places { held: CapacityVec::with_capacity(sides) },
             most: sides,
         }
     }
@@ -94,10 +94,10 @@ impl SeenSides {
     }
 
     /// Returns what `vertex` saw of `other`.
-    fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
+    fn recall(&self, vertex: usize, other: u32) -> Option<LastSide> {
         let at = self.seen.binary_search_by_key(&(vertex as u32, other), SeenSide::key).ok()?;
         let SeenSide { normal, place, .. } = self.seen[at];
-        Some(Seen { normal, place })
+        Some(LastSide { normal, place })
     }
 
     /// Puts the notes of a search in order.
@@ -116,12 +116,12 @@ pub(crate) struct Sight<'a> {
 
 impl Sight<'_> {
     /// Returns what `vertex` saw of `other` in the step before.
-    pub fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
+    pub fn recall(&self, vertex: usize, other: u32) -> Option<LastSide> {
         self.before.recall(vertex, other)
     }
 
     /// Notes what it sees now; beyond the room it is not kept.
-    pub fn note(&mut self, vertex: usize, other: u32, Seen { normal, place }: Seen) {
+    pub fn note(&mut self, vertex: usize, other: u32, LastSide { normal, place }: LastSide) {
         if let Some(now) = self.now.as_mut().filter(|now| now.seen.len() < now.most) {
             now.seen.push(SeenSide { vertex: vertex as u32, other, normal, place });
         }
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn what_was_noted_is_recalled_for_its_vertex_and_body_only() {
-        let seen = |x| Seen { normal: Vec3::y(), place: Vec3::repeat(x) };
+        let seen = |x| LastSide { normal: Vec3::y(), place: Vec3::repeat(x) };
         let (before, mut now) = (SeenSides::default(), SeenSides::with_capacity(3));
         let mut sight = Sight { before: &before, now: Some(&mut now) };
         for (vertex, other, x) in [(4, 1, 1.0), (0, 8, 2.0), (0, 7, 3.0), (9, 9, 4.0)] {

@@ -19,14 +19,14 @@
 
 mod lead_out;
 
-use crate::contact::groups::Groups;
+use crate::capacity_vec::CapacityVec;
 use crate::contact::sides::Sight;
 use crate::contact::soft_soft::{SoftSide, SoftSoft};
 use crate::contact::soft_way::Way;
 use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
+use crate::contact::union_find::UnionFind;
 use crate::math::Vec3;
-use crate::room::Room;
 use std::ops::Range;
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -44,7 +44,7 @@ const OPPOSED: f64 = 0.5;
 
 /// An edge of side `side` that goes through triangle `through` of the other.
 #[derive(Clone, Copy, Debug)]
-struct Pierce {
+struct EdgePiercing {
     side: usize,
     edge: (u32, usize),
     /// Part of the edge before that.
@@ -98,18 +98,18 @@ struct Region {
 
 /// Vertices of one side that are, or may be, inside the other.
 #[derive(Clone, Debug, Default)]
-struct Flood {
-    queue: Room<u32>,
+struct FloodFill {
+    queue: CapacityVec<u32>,
     /// Marks the vertices that have been in the queue.
     queued: Vec<bool>,
     /// Marks the vertices that are inside.
     inside: Vec<bool>,
 }
 
-impl Flood {
+impl FloodFill {
     fn with_size(vertices: usize) -> Self {
         let no = vec![false; vertices];
-        Self { queue: Room::with_capacity(vertices), queued: no.clone(), inside: no }
+        Self { queue: CapacityVec::with_capacity(vertices), queued: no.clone(), inside: no }
     }
 
     /// Each vertex is looked at once.
@@ -130,12 +130,12 @@ impl Flood {
 /// Workspace of the search for entangled regions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DeepScratch {
-    floods: [Flood; 2],
-    pierces: Room<Pierce>,
-    places: Room<Place>,
-    regions: Room<Region>,
+    floods: [FloodFill; 2],
+    pierces: CapacityVec<EdgePiercing>,
+    places: CapacityVec<Place>,
+    regions: CapacityVec<Region>,
     /// Triangles of A, then of B.
-    groups: Groups,
+    groups: UnionFind,
     triangles: usize,
     /// No more places are kept.
     most: usize,
@@ -146,11 +146,11 @@ impl DeepScratch {
     pub fn with_size(vertices: usize, triangles: usize) -> Self {
         let most = 2 * vertices + triangles;
         Self {
-            floods: [0, 1].map(|_| Flood::with_size(vertices)),
-            pierces: Room::with_capacity(most),
-            places: Room::with_capacity(most),
-            regions: Room::with_capacity(most),
-            groups: Groups::with_size(2 * triangles),
+            floods: [0, 1].map(|_| FloodFill::with_size(vertices)),
+            pierces: CapacityVec::with_capacity(most),
+            places: CapacityVec::with_capacity(most),
+            regions: CapacityVec::with_capacity(most),
+            groups: UnionFind::with_size(2 * triangles),
             triangles,
             most,
         }
@@ -180,7 +180,7 @@ impl DeepScratch {
     }
 
     fn clear(&mut self) {
-        self.floods.iter_mut().for_each(Flood::clear);
+        self.floods.iter_mut().for_each(FloodFill::clear);
         self.pierces.clear();
         self.places.clear();
         self.regions.clear();
@@ -235,7 +235,7 @@ impl SoftSoft<'_> {
             if (0..3).all(is_inside) {
                 deep.floods[side].add(corners[inner]);
                 if deep.pierces.len() < deep.most {
-                    deep.pierces.push(Pierce { side, edge: (s, k), at, through: t });
+                    deep.pierces.push(EdgePiercing { side, edge: (s, k), at, through: t });
                 }
             }
         }
@@ -349,7 +349,7 @@ impl SoftSoft<'_> {
             let Some((out, nearest)) = self.inside(own, other, v) else { continue };
             let around = own.surface.around(v);
             let root = deep.node(i, around[0]);
-            around.iter().for_each(|&t| deep.groups.join(root, (i * deep.triangles) as u32 + t));
+            around.iter().for_each(|&t| deep.groups.union(root, (i * deep.triangles) as u32 + t));
             deep.floods[i].inside[v as usize] = true;
             own.surface.neighbors_of(v, |w| deep.floods[i].add(w));
             let mut weights = [0.0; 3];
@@ -387,13 +387,13 @@ impl SoftSoft<'_> {
     /// Joins what cuts each other, and adds the places where edges go through.
     fn tie(&self, deep: &mut DeepScratch) {
         let DeepScratch { floods, pierces, places, groups, triangles, most, .. } = deep;
-        for &Pierce { side, edge: (s, k), at, through } in pierces.iter() {
+        for &EdgePiercing { side, edge: (s, k), at, through } in pierces.iter() {
             let [own, other] = self.facing(side);
             let node = |i: usize, t: u32| (i * *triangles) as u32 + t;
             let across = own.surface.across(s, k);
-            across.iter().for_each(|&u| groups.join(node(side, s), node(side, u)));
+            across.iter().for_each(|&u| groups.union(node(side, s), node(side, u)));
             if self.apart.is_none() {
-                groups.join(node(side, s), node(1 - side, through));
+                groups.union(node(side, s), node(1 - side, through));
             }
             let corners = own.surface.triangles[s as usize];
             let ends = [corners[k], corners[(k + 1) % 3]];

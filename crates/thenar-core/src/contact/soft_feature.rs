@@ -30,7 +30,7 @@ const ROUND_OFF: f64 = 1e-9;
 #[derive(Debug, Default)]
 pub(crate) struct FeatureScratch {
     /// Per sharp point the nearest triangle, and the one that arrives first.
-    meets: Vec<Meet>,
+    meets: Vec<NearTriangles>,
     /// Points with an entry in `meets`, in the order they were met.
     met: Vec<u32>,
     /// Per triangle, the round in which it was last visited.
@@ -42,14 +42,15 @@ pub(crate) struct FeatureScratch {
 
 /// Triangles that come near to a sharp point.
 #[derive(Clone, Copy, Debug)]
-struct Meet {
+struct NearTriangles {
     /// Squared distance \[m²\] and triangle.
     nearest: (f64, u32),
     /// Part of the step and triangle.
     arriving: (f64, u32),
 }
 
-const UNMET: Meet = Meet { nearest: (f64::INFINITY, NONE), arriving: (f64::INFINITY, NONE) };
+const UNMET: NearTriangles =
+    NearTriangles { nearest: (f64::INFINITY, NONE), arriving: (f64::INFINITY, NONE) };
 
 /// Nothing in it outlives a search; a clone has as much room.
 impl Clone for FeatureScratch {
@@ -166,7 +167,7 @@ fn offer_to_sharp(
 ) {
     let reach = depth_max(pair);
     let p = &pair.body.sharp.points[i as usize];
-    let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];
+    let NearTriangles { mut nearest, mut arriving } = scratch.meets[i as usize];
     let is_farther = least_squared > nearest.0.min(reach * reach) * ROUNDED_UP;
     let may_come =
         comes > 0.0 && least_squared <= comes * comes && prism.may_come(p, &near.u, pair.margin);
@@ -192,7 +193,7 @@ fn offer_to_sharp(
         }
         scratch.met.push(i);
     }
-    scratch.meets[i as usize] = Meet { nearest, arriving };
+    scratch.meets[i as usize] = NearTriangles { nearest, arriving };
 }
 
 fn least(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
@@ -204,7 +205,8 @@ fn settle_sharp(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collec
     scratch.met.sort_unstable();
     for m in 0..scratch.met.len() {
         let i = scratch.met[m];
-        let Meet { nearest, arriving } = std::mem::replace(&mut scratch.meets[i as usize], UNMET);
+        let NearTriangles { nearest, arriving } =
+            std::mem::replace(&mut scratch.meets[i as usize], UNMET);
         let p = pair.body.sharp.points[i as usize];
         // Within an edge, what has not got in touches as a part of the edge.
         let is_corner = (i as usize) < pair.body.sharp.corners;

@@ -1,7 +1,7 @@
 //! The triangle that a vertex of a deformable surface is nearest to, and the one that comes to it
 //! in a step.
 
-use crate::contact::approach::Seen;
+use crate::contact::approach::LastSide;
 use crate::contact::near::{Arrival, Near, may_arrive};
 use crate::contact::sides::Sight;
 use crate::contact::soft_soft::{NEVER, SoftSoft, VertexScratch};
@@ -36,7 +36,7 @@ impl SoftSoft<'_> {
         }
         let x = other.surface.corners(t, other.state.positions);
         let seen = sight.recall(own.surface.first_vertex + v as usize, other.id);
-        if seen.is_some_and(|s: Seen| s.normal.dot(&facet.area) <= 0.0) {
+        if seen.is_some_and(|s: LastSide| s.normal.dot(&facet.area) <= 0.0) {
             return;
         }
         let closest = closest_on_triangle(p, &x);

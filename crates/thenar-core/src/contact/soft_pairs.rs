@@ -1,7 +1,7 @@
 //! Pairs with a deformable body, and which parts of one are neighbours: settled when a world is
 //! built.
 
-use crate::contact::apart::{Apart, Regions};
+use crate::contact::apart::{Regions, SeparateTriangles};
 use crate::contact::pairs::PairTable;
 use crate::contact::rigid_body::RigidBody;
 use crate::contact::surface::Surface;
@@ -39,7 +39,7 @@ pub(super) fn soft_rigid_pairs(
 pub(super) fn soft_soft_pairs(
     table: &PairTable,
     surfaces: &[Surface],
-    apart: &[Option<Apart>],
+    apart: &[Option<SeparateTriangles>],
 ) -> Vec<SoftPair> {
     let mut pairs = Vec::new();
     for i in 0..surfaces.len() {
@@ -82,14 +82,17 @@ pub(super) fn regions(desc: &WorldDesc, soft: usize) -> Regions {
 }
 
 /// The neighbours on each surface that touches itself.
-pub(super) fn neighbors_at_rest(desc: &WorldDesc, surfaces: &[Surface]) -> Vec<Option<Apart>> {
+pub(super) fn neighbors_at_rest(
+    desc: &WorldDesc,
+    surfaces: &[Surface],
+) -> Vec<Option<SeparateTriangles>> {
     let of = |(i, surface): (usize, &Surface)| {
         let flesh = &desc.softs[i].flesh;
         let wanted = desc.self_contact.contains(&(i as u32));
         wanted.then(|| {
             let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
             flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
-            Apart::new(surface, &rest, regions(desc, i))
+            SeparateTriangles::new(surface, &rest, regions(desc, i))
         })
     };
     surfaces.iter().enumerate().map(of).collect()

@@ -1,6 +1,7 @@
 //! A deformable surface against a rigid shape.
 
-use crate::contact::approach::{Seen, approach_from, keep_side};
+use crate::capacity_vec::CapacityVec;
+use crate::contact::approach::{LastSide, approach_from, keep_side};
 use crate::contact::blunt::{blunted, has_edges};
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::rigid_body::{Placed, RigidBody};
@@ -10,7 +11,6 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::ROUNDED_UP;
 use crate::contact::{Contact, Distance, Shape, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
-use crate::room::Room;
 use std::cell::Cell;
 
 /// Kinds of contact, as they enter the key.
@@ -47,7 +47,7 @@ pub(crate) struct SoftRigid<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VertexScratch {
     /// The vertices within reach.
-    pub near: Room<u32>,
+    pub near: CapacityVec<u32>,
     /// Per vertex of all surfaces, what is known of the last search.
     guesses: Vec<Guess>,
 }
@@ -89,7 +89,7 @@ impl Guess {
         }
         let found = shape.distance_within_near(p, reach, &self.item);
         let farther = BEYOND * reach;
-        if found.is_none() && KEPT * u <= farther - reach {
+        if found.is_none() && SEARCH_INTERVAL * u <= farther - reach {
             let there = shape.distance_within(p, farther);
             let far = there.map_or(farther, |d| d.value);
             (self.rigid, self.place, self.far) = (rigid, *p, far);
@@ -104,7 +104,7 @@ impl Guess {
 const BEYOND: f64 = 1.5;
 /// Steps for which a vertex out of reach is not looked for again: a search farther out, once in
 /// eight steps, costs each of them an eighth.
-const KEPT: f64 = 8.0;
+const SEARCH_INTERVAL: f64 = 8.0;
 /// A third more than 1/√3, the distance of an equilateral triangle's corners from its middle in
 /// edges, for stretching.
 const TO_CORNER: f64 = 0.77;
@@ -112,7 +112,7 @@ const TO_CORNER: f64 = 0.77;
 impl VertexScratch {
     /// Room for surfaces of up to this many vertices, `all` together.
     pub fn with_size(vertices: usize, all: usize) -> Self {
-        Self { near: Room::with_capacity(vertices), guesses: vec![Guess::none(); all] }
+        Self { near: CapacityVec::with_capacity(vertices), guesses: vec![Guess::none(); all] }
     }
 }
 
@@ -195,7 +195,7 @@ impl SoftRigid<'_> {
             let place = seen.filter(|_| corrected).map_or(p, |s| s.place);
             // A side is that of the shape as it is, edges and all.
             let normal = if is_near { sided.gradient } else { distance.gradient };
-            sight.note(slot, self.rigid, Seen { normal, place });
+            sight.note(slot, self.rigid, LastSide { normal, place });
             out.push(self.vertex_contact(v as u32, distance));
         }
         sided.value < f64::INFINITY

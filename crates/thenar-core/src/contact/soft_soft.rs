@@ -3,8 +3,9 @@
 
 mod crossings;
 
-use crate::contact::apart::Apart;
-use crate::contact::approach::Seen;
+use crate::capacity_vec::CapacityVec;
+use crate::contact::apart::SeparateTriangles;
+use crate::contact::approach::LastSide;
 use crate::contact::bvh::Bvh;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::sides::Sight;
@@ -14,7 +15,6 @@ use crate::contact::surface::{Facet, Surface};
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, closest_on_triangle};
 use crate::contact::{Contact, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
-use crate::room::Room;
 use crossings::Cross;
 
 const NONE: u32 = u32::MAX;
@@ -78,7 +78,7 @@ pub(crate) struct SoftSoft<'a> {
     pub a: SoftSide<'a>,
     pub b: SoftSide<'a>,
     /// Given when both sides are the same surface: which parts of it are neighbours.
-    pub apart: Option<&'a Apart>,
+    pub apart: Option<&'a SeparateTriangles>,
     pub friction: f64,
 }
 
@@ -87,7 +87,7 @@ pub(crate) struct SoftSoft<'a> {
 pub(crate) struct PairScratch {
     pub(super) vertices: [VertexScratch; 2],
     pub(super) deep: DeepScratch,
-    crossings: Room<Cross>,
+    crossings: CapacityVec<Cross>,
     /// No more are kept; not the room that the list happens to have, which a clone lacks.
     crossings_max: usize,
 }
@@ -99,7 +99,7 @@ pub(super) struct VertexScratch {
     /// Part of the step until a triangle arrives first, and that triangle, for each vertex.
     pub arriving: Vec<(f64, u32)>,
     /// Vertices that have a nearest or an arriving triangle.
-    pub met: Room<u32>,
+    pub met: CapacityVec<u32>,
     /// Per vertex the triangle it touches, or `NONE`.
     touched: Vec<u32>,
 }
@@ -110,13 +110,13 @@ impl PairScratch {
         let one = || VertexScratch {
             nearest: vec![None; vertices],
             arriving: vec![NEVER; vertices],
-            met: Room::with_capacity(vertices),
+            met: CapacityVec::with_capacity(vertices),
             touched: vec![NONE; vertices],
         };
         Self {
             vertices: [one(), one()],
             deep: DeepScratch::with_size(vertices, triangles),
-            crossings: Room::with_capacity(vertices),
+            crossings: CapacityVec::with_capacity(vertices),
             crossings_max: vertices,
         }
     }
@@ -183,8 +183,9 @@ impl SoftSoft<'_> {
     }
 
     pub(super) fn are_neighbors(&self, v: u32, t: u32) -> bool {
-        let corners =
-            |apart: &Apart| apart.are_neighbors(v, t, &self.a.surface.triangles[t as usize]);
+        let corners = |apart: &SeparateTriangles| {
+            apart.are_neighbors(v, t, &self.a.surface.triangles[t as usize])
+        };
         self.apart.is_some_and(corners)
     }
 
@@ -228,7 +229,13 @@ impl SoftSoft<'_> {
     /// Offers to each vertex that was in contact, of one surface, the flesh of its own bone and of
     /// those joined to that, too, where no contact begins: one that slides there, over the rim of
     /// what it may touch, goes on until the two part.
-    fn slide_on(&self, apart: &Apart, reach: f64, sight: &Sight, scratch: &mut VertexScratch) {
+    fn slide_on(
+        &self,
+        apart: &SeparateTriangles,
+        reach: f64,
+        sight: &Sight,
+        scratch: &mut VertexScratch,
+    ) {
         let side = &self.a;
         let (first, count) = (side.surface.first_vertex, side.surface.vertex_count());
         for seen in sight.before.of(first..first + count, side.id) {
@@ -351,7 +358,7 @@ impl SoftSoft<'_> {
     ) {
         let p = own.state.positions[v as usize];
         let vertices = other.surface.triangles[t as usize];
-        sight.note(own.surface.first_vertex + v as usize, other.id, Seen { normal, place: p });
+        sight.note(own.surface.first_vertex + v as usize, other.id, LastSide { normal, place: p });
         out.push(Contact {
             key: feature_key([KEY_SOFT_SOFT, own.soft, other.soft, v]),
             a: Site::Soft(SurfacePoint::vertex(own.soft, v)),

@@ -20,7 +20,7 @@ use crate::math::Vec3;
 /// Another way is taken than it came in by only if that is shorter by this factor: ways of about
 /// one length do not alternate. Out of a flat face the way is longer by as much where it stands at
 /// 60° to its normal.
-pub(super) const KEPT: f64 = 2.0;
+pub(super) const HYSTERESIS: f64 = 2.0;
 /// Number of places, taken evenly by depth from all, that offer their nearest way out. Each offer
 /// asks all places for their depth along it: the work grows with the region, and not with its
 /// square.
@@ -75,7 +75,7 @@ impl SoftSoft<'_> {
         };
         let gradient: Vec3 = places.iter().map(|p| p.inward * sign(p.side)).sum();
         let rounding = ROUNDING * places.iter().map(|p| p.inward.norm()).sum::<f64>();
-        offer(self.came_in_by(places, sight), KEPT);
+        offer(self.came_in_by(places, sight), HYSTERESIS);
         offer(gradient, 1.0);
         let stride = places.len().div_ceil(OFFERED);
         if places.iter().all(|p| p.vertex == NONE) {

@@ -5,7 +5,7 @@ mod pivot;
 mod skin;
 mod springs;
 
-pub use offsets::{NodeOffset, OffsetModel, PairAtRest, Posed, Share};
+pub use offsets::{KernelValue, NodeOffset, OffsetModel, PairAtRest, PosedOffsets};
 pub use pivot::Pivot;
 pub use skin::{BoundNode, SkinTarget, skin_target};
 pub(crate) use springs::add_part;

@@ -68,7 +68,7 @@ pub struct NodeOffset {
 
 /// The part that a sample has at a pose, and its slope.
 #[derive(Clone, Copy, Debug)]
-pub struct Share {
+pub struct KernelValue {
     /// Value k of the kernel.
     amount: f64,
     /// Slope γ of the kernel, world.
@@ -77,9 +77,9 @@ pub struct Share {
 
 /// Offsets with what the samples have at one pose of the bones.
 #[derive(Clone, Copy, Debug)]
-pub struct Posed<'a> {
+pub struct PosedOffsets<'a> {
     offsets: &'a OffsetModel,
-    shares: &'a [Share],
+    shares: &'a [KernelValue],
 }
 
 impl OffsetModel {
@@ -120,12 +120,16 @@ impl OffsetModel {
     }
 
     /// The offsets with what the samples have.
-    pub fn with<'a>(&'a self, shares: &'a [Share]) -> Posed<'a> {
-        Posed { offsets: self, shares }
+    pub fn with<'a>(&'a self, shares: &'a [KernelValue]) -> PosedOffsets<'a> {
+        PosedOffsets { offsets: self, shares }
     }
 
     /// Sets what the samples have where the bones are. Allocates nothing if `shares` has room.
-    pub fn pose<'a>(&'a self, poses_WB: &[Pose], shares: &'a mut Vec<Share>) -> Posed<'a> {
+    pub fn pose<'a>(
+        &'a self,
+        poses_WB: &[Pose],
+        shares: &'a mut Vec<KernelValue>,
+    ) -> PosedOffsets<'a> {
         shares.clear();
         let mut samples = &self.samples[..];
         for driver in &self.drivers {
@@ -140,7 +144,7 @@ impl OffsetModel {
 impl Driver {
     /// The share of a sample where the bones are. The joint turns by `ω = ω_child − ω_parent`:
     /// `q̇ = ½ (Rᵀ ω) q` in the parent's frame, `(q·q_s)˙ = ½ (Rᵀ ω)·vec(q_s q*)`.
-    fn at(&self, poses_WB: &[Pose]) -> impl Fn(&Quat) -> Share {
+    fn at(&self, poses_WB: &[Pose]) -> impl Fn(&Quat) -> KernelValue {
         let parent = poses_WB[self.parent as usize].rotation;
         let q = parent.inverse() * poses_WB[self.child as usize].rotation * self.rest;
         let n = self.exponent;
@@ -148,12 +152,12 @@ impl Driver {
             let dot = q.coords.dot(&sample.coords);
             let power = dot.powi(2 * n - 1);
             let axis = (sample * q.inverse()).imag();
-            Share { amount: power * dot, slope_W: parent * axis * (f64::from(n) * power) }
+            KernelValue { amount: power * dot, slope_W: parent * axis * (f64::from(n) * power) }
         }
     }
 }
 
-impl Posed<'_> {
+impl PosedOffsets<'_> {
     /// Offset of a node in the frame of its bone `j`, as it was at rest \[m\].
     #[inline]
     pub fn offset(&self, at: &NodeOffset, j: usize) -> Vec3 {
@@ -164,11 +168,12 @@ impl Posed<'_> {
     /// the world to the frame of its bone `j`.
     #[inline]
     pub fn slope(&self, at: &NodeOffset, j: usize) -> Mat3 {
-        let outer = |sum, (share, c): (&Share, &[Vec3; 2])| sum + c[j] * share.slope_W.transpose();
+        let outer =
+            |sum, (share, c): (&KernelValue, &[Vec3; 2])| sum + c[j] * share.slope_W.transpose();
         self.samples(at).fold(Mat3::zeros(), outer) * at.sign
     }
 
-    fn samples(&self, at: &NodeOffset) -> impl Iterator<Item = (&Share, &[Vec3; 2])> {
+    fn samples(&self, at: &NodeOffset) -> impl Iterator<Item = (&KernelValue, &[Vec3; 2])> {
         let shares = &self.shares[at.sample as usize..][..at.samples as usize];
         shares.iter().zip(&self.offsets.coefficients[at.coefficient as usize..])
     }

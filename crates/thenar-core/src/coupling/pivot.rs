@@ -8,7 +8,7 @@
 
 use crate::coupling::SkinTarget;
 use crate::math::{Mat3, Pose, Quat, Vec3};
-use crate::solver::{Apart, Turning};
+use crate::solver::{RelativeTerm, Turning};
 
 /// Joint about which a node turns, and the node's arm from it.
 #[derive(Clone, Copy, Debug)]
@@ -68,11 +68,11 @@ impl Pivot {
         let (v_0, v_1) = (q_0.imag(), q_1.imag());
         let between = v_0 * q_1.w - v_1 * q_0.w - v_0.cross(&v_1);
         let axis = between * (w_0 * w_1 * sign / n2);
-        let blended = Apart::Blended { axis, arm: r };
+        let blended = RelativeTerm::Blended { axis, arm: r };
         let apart = match posed {
             None => blended,
             Some((_, slope)) => {
-                Apart::Posed(blended.matrix() + turn.to_rotation_matrix().matrix() * slope)
+                RelativeTerm::Posed(blended.matrix() + turn.to_rotation_matrix().matrix() * slope)
             }
         };
         SkinTarget { position_W: joint_W + r, turning: Turning { levers, apart: Some(apart) } }

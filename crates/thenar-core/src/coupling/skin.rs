@@ -1,8 +1,8 @@
 //! Skinning targets (Eq. 6) and their derivatives.
 
-use crate::coupling::{NodeOffset, Pivot, Posed};
+use crate::coupling::{NodeOffset, Pivot, PosedOffsets};
 use crate::math::{Mat3, Pose, Vec3};
-use crate::solver::{Apart, Turning};
+use crate::solver::{RelativeTerm, Turning};
 
 /// A node bound to at most two bones.
 #[derive(Clone, Copy, Debug)]
@@ -31,9 +31,9 @@ pub struct SkinTarget {
 }
 
 /// Eq. 6, `f_i(q) = Σ_j w_ij (x_j + R_j x_ij)`, or [`Pivot::target`], with x_ij as the pose has it
-/// ([`Posed`]).
+/// ([`PosedOffsets`]).
 #[inline]
-pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose], posed: &Posed<'_>) -> SkinTarget {
+pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose], posed: &PosedOffsets<'_>) -> SkinTarget {
     if let Some(pivot) = &bound.pivot {
         let of_pose = bound.posed.as_ref().map(|at| (posed.offset(at, 0), posed.slope(at, 0)));
         return pivot.target(bound.bones.map(|b| &poses_WB[b as usize]), bound.weights, of_pose);
@@ -57,7 +57,7 @@ pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose], posed: &Posed<'_>) -> S
             rotation.matrix() * posed.slope(at, j) * bound.weights[j]
         };
         let whole: Mat3 = slope(0) + slope(1);
-        target.turning.apart = Some(Apart::Posed(whole));
+        target.turning.apart = Some(RelativeTerm::Posed(whole));
     }
     target
 }

@@ -5,7 +5,7 @@
 //! The springs have no net force and no net torque. The dampers have no net force; their net
 //! torque is the product of damping force and stretch, since they act on the bone at the target.
 
-use crate::coupling::{BoundNode, OffsetModel, Posed, Share, skin_target};
+use crate::coupling::{BoundNode, KernelValue, OffsetModel, PosedOffsets, skin_target};
 use crate::math::{Mat3, Mat6, Pose, Vec3};
 use crate::model::FleshInStep1;
 use crate::solver::BlockMatrix;
@@ -103,7 +103,7 @@ impl CouplingModel {
     }
 
     /// Shares of all offsets where the bones are: for reading; a step has room of its own for them.
-    pub fn shares(&self, poses_WB: &[Pose]) -> Vec<Share> {
+    pub fn shares(&self, poses_WB: &[Pose]) -> Vec<KernelValue> {
         let mut shares = Vec::new();
         self.offsets.pose(poses_WB, &mut shares);
         shares
@@ -114,7 +114,7 @@ impl CouplingModel {
     pub fn assemble(
         &self,
         poses_WB: &[Pose],
-        posed: &Posed<'_>,
+        posed: &PosedOffsets<'_>,
         x: &[Vec3],
         v: &[Vec3],
         h: f64,
@@ -142,7 +142,7 @@ impl CouplingModel {
 
             A.add_scalar(entries.node, s);
             b[row0 + node] -= stretch;
-            for j in 0..bound.carriers() {
+            for j in 0..bound.bone_count() {
                 let bone = bound.bones[j] as usize;
                 b[2 * bone] += stretch * bound.weights[j];
                 b[2 * bone + 1] += target.turning.torque(j, &stretch);
@@ -154,7 +154,7 @@ impl CouplingModel {
                     A.add(entries.node_bone[j][part], &block);
                     A.add(entries.bone_node[j][part], &block.transpose());
                 }
-                for l in 0..bound.carriers() {
+                for l in 0..bound.bone_count() {
                     for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                         let block = jacobian[j][p].tr_mul(&jacobian[l][q]);
                         A.add(entries.bone_bone[j][l][p][q], &(block * s));
@@ -188,7 +188,7 @@ impl CouplingModel {
 
 impl BoundNode {
     /// Returns the number of bones that carry the node: 1 or 2.
-    pub fn carriers(&self) -> usize {
+    pub fn bone_count(&self) -> usize {
         if self.weights[1] == 0.0 { 1 } else { 2 }
     }
 }

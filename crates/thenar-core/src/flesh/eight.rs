@@ -10,7 +10,7 @@ use crate::solver::BlockMatrix;
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 /// Gradients in the present frame, `g' = R g`, impulses and energies.
-struct Evaluated<S: Simd> {
+struct Evaluation<S: Simd> {
     gradients: [Vec3x8<S>; 4],
     /// `-V P g_a` \[N\].
     forces: [Vec3x8<S>; 4],
@@ -21,7 +21,7 @@ struct Evaluated<S: Simd> {
 /// Evaluates as `element::corotational` does, with `P = 2μ (F - R) + λ tr(S - I) R`, which needs no
 /// S.
 #[inline(always)]
-fn evaluate<S: Simd>(simd: S, rest: &RestLanes, x: &[Vec3]) -> Evaluated<S> {
+fn evaluate<S: Simd>(simd: S, rest: &RestLanes, x: &[Vec3]) -> Evaluation<S> {
     let F = rest.deformation_gradients(simd, x);
     let R = rotations(simd, &F);
     let g = rest.gradients(simd);
@@ -44,7 +44,7 @@ fn evaluate<S: Simd>(simd: S, rest: &RestLanes, x: &[Vec3]) -> Evaluated<S> {
     let f = [times(&P, &g[0]), times(&P, &g[1]), times(&P, &g[2])];
     let g = [times(&R, &g[0]), times(&R, &g[1]), times(&R, &g[2])];
     let cof = cofactors(&F);
-    Evaluated {
+    Evaluation {
         gradients: [minus_sum(&g), g[0], g[1], g[2]],
         forces: [minus_sum(&f), f[0], f[1], f[2]],
         energy: volume * mu.mul_add(size2, lambda * 0.5 * trace * trace),
@@ -67,7 +67,7 @@ pub fn minus_sum<S: Simd>(of: &[Vec3x8<S>; 3]) -> Vec3x8<S> {
     )
 }
 
-impl<S: Simd> Evaluated<S> {
+impl<S: Simd> Evaluation<S> {
     /// Adds energies and counts inverted elements, lane by lane.
     #[inline(always)]
     fn count(&self, rest: &RestLanes, tally: &mut Tally) {

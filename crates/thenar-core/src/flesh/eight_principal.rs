@@ -4,7 +4,7 @@
 use crate::flesh::eight::{dealt, minus_sum};
 use crate::flesh::element::positive_part;
 use crate::flesh::lanes::{LANES, Mat3x8, RestLanes, Vec3x8, dot, entries, three, times};
-use crate::flesh::principal_lanes::{At, density};
+use crate::flesh::principal_lanes::{PrincipalResponse, density};
 use crate::flesh::rotations::rotations;
 use crate::flesh::{PAIRS, Tally};
 use crate::math::{Mat3, Vec3};
@@ -279,7 +279,7 @@ fn minus_three<S: Simd>(a: &Mat3x8<S>, b: &Mat3x8<S>, c: &Mat3x8<S>) -> Mat3x8<S
 /// Takes negative eigenvalues out of Hessians. Near rest there are none, which their leading minors
 /// tell.
 #[inline(always)]
-fn keep_positive<S: Simd>(simd: S, law: &mut At<S>) {
+fn keep_positive<S: Simd>(simd: S, law: &mut PrincipalResponse<S>) {
     let ([a, b, c], [f, e, d]) = (law.diagonal, law.beside);
     let zero = simd.splat_f64x8(0.0);
     let minor = a.mul_sub(b, d * d);
@@ -292,7 +292,7 @@ fn keep_positive<S: Simd>(simd: S, law: &mut At<S>) {
 
 #[cold]
 #[inline(never)]
-fn project_singly<S: Simd>(simd: S, law: &mut At<S>, sound: u64) {
+fn project_singly<S: Simd>(simd: S, law: &mut PrincipalResponse<S>, sound: u64) {
     let mut numbers = [law.diagonal, law.beside].map(|v| v.map(|x| x.to_array()));
     for lane in (0..LANES).filter(|&lane| sound >> lane & 1 == 0) {
         let of = |i: usize, k: usize| match i == k {

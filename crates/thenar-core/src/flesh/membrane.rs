@@ -123,10 +123,10 @@ impl SheetLaw {
     }
 
     /// Stiffness against turns, where it is not negative.
-    fn turned(&self, s: &[f64; 2], stress: &[f64; 2], shear: f64) -> Curved {
+    fn turned(&self, s: &[f64; 2], stress: &[f64; 2], shear: f64) -> GeometricStiffness {
         let spin = ((stress[0] + stress[1]) / (s[0] + s[1]).max(f64::MIN_POSITIVE)).max(0.0);
         let out = [0, 1].map(|i| (stress[i] / s[i].max(f64::MIN_POSITIVE)).max(0.0));
-        Curved { own: 0.5 * (shear + spin), cross: 0.5 * (shear - spin), out }
+        GeometricStiffness { own: 0.5 * (shear + spin), cross: 0.5 * (shear - spin), out }
     }
 }
 
@@ -147,8 +147,8 @@ impl RestPiece {
         })
     }
 
-    fn stretched(&self, x: &[Vec3; 4]) -> Stretched {
-        Stretched::new(self.images(x))
+    fn stretched(&self, x: &[Vec3; 4]) -> ThinSvd {
+        ThinSvd::new(self.images(x))
     }
 
     fn energy(&self, x: &[Vec3; 4]) -> f64 {
@@ -157,7 +157,7 @@ impl RestPiece {
 
     /// Adds energy, forces and stiffness.
     fn add(&self, x: &[Vec3; 4], sums: &mut Response) {
-        let Stretched { s, U, V } = self.stretched(x);
+        let ThinSvd { s, U, V } = self.stretched(x);
         let Tension { energy, stress, stretch, shear } = self.law.at(s);
         sums.energy += self.area * energy;
         // Gradients along the principal directions.
@@ -168,7 +168,7 @@ impl RestPiece {
 
         // Curvature of w along each pair of principal directions, 3×3; positive parts of turns in
         // the plane and out of it.
-        let Curved { own, cross, out } = self.law.turned(&s, &stress, shear);
+        let GeometricStiffness { own, cross, out } = self.law.turned(&s, &stress, shear);
         let [w11, w22, w12] = stretch;
         let outer = |a: &Vec3, b: &Vec3| a * (b.transpose() * self.area);
         let [u1, u2, u3] = &U;
@@ -205,9 +205,10 @@ impl RestPiece {
         if change[0].norm_squared() + change[1].norm_squared() < CHANGE_SEEN * CHANGE_SEEN {
             return [0.0; 2];
         }
-        let at = Stretched::new(before);
+        let at = ThinSvd::new(before);
         let here = self.law.at(at.s);
-        let Curved { own, cross, out } = self.law.turned(&at.s, &here.stress, here.shear);
+        let GeometricStiffness { own, cross, out } =
+            self.law.turned(&at.s, &here.stress, here.shear);
         let image = |v: [f64; 2]| change[0] * v[0] + change[1] * v[1];
         let d = at.V.map(image).map(|d| at.U.map(|u| u.dot(&d)));
         let [w11, w22, w12] = here.stretch;
@@ -219,21 +220,21 @@ impl RestPiece {
             + 2.0 * cross * d[0][1] * d[1][0]
             + out[0] * d[0][2] * d[0][2]
             + out[1] * d[1][2] * d[1][2];
-        let risen = self.law.at(Stretched::new(after).s).energy - here.energy;
+        let risen = self.law.at(ThinSvd::new(after).s).energy - here.energy;
         [risen - slope - 0.5 * curved, 0.5 * curved].map(|e| e * self.area)
     }
 }
 
 /// Stiffness against turns \[N/m\]: in the plane as `own (G₁₂² + G₂₁²) + 2 cross G₁₂ G₂₁`, out of
 /// it along each direction.
-struct Curved {
+struct GeometricStiffness {
     own: f64,
     cross: f64,
     out: [f64; 2],
 }
 
 /// `A = Σ s_i u_i ⊗ v_i` with the normal `u₃ = u₁ × u₂`.
-struct Stretched {
+struct ThinSvd {
     /// Descending, not negative.
     s: [f64; 2],
     /// u₁, u₂, u₃, orthonormal.
@@ -242,7 +243,7 @@ struct Stretched {
     V: [[f64; 2]; 2],
 }
 
-impl Stretched {
+impl ThinSvd {
     fn new(A: [Vec3; 2]) -> Self {
         // The larger eigenvector of AᵀA, without cancellation.
         let (b, d) = (A[0].dot(&A[1]), 0.5 * (A[0].norm_squared() - A[1].norm_squared()));

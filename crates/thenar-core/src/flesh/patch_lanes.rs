@@ -47,7 +47,7 @@ pub struct PatchLanes {
     pub patches: [usize; LANES],
 }
 
-struct Evaluated<S: Simd> {
+struct Evaluation<S: Simd> {
     /// `R ḡ_a`.
     gradients: [Vec3x8<S>; NODES],
     /// On each node \[N\].
@@ -74,7 +74,7 @@ impl PatchLanes {
     #[inline(always)]
     fn count<S: Simd>(
         &self,
-        at: &Evaluated<S>,
+        at: &Evaluation<S>,
         sums: &mut Tally,
         mut crushed: impl FnMut(usize, &mut Tally),
     ) {
@@ -88,7 +88,7 @@ impl PatchLanes {
     }
 
     #[inline(always)]
-    fn evaluate<S: Simd>(&self, simd: S, x: &[Vec3]) -> Evaluated<S> {
+    fn evaluate<S: Simd>(&self, simd: S, x: &[Vec3]) -> Evaluation<S> {
         let mut arms = [[f64x8::splat(simd, 0.0); 3]; NODES];
         let mut g = arms;
         for a in 0..NODES {
@@ -146,7 +146,7 @@ impl PatchLanes {
             gradients[a] = times(&R, &g[a]);
         }
         let apart = (spread.max(f64x8::splat(simd, 0.0)) / load(simd, &self.spread_least)).sqrt();
-        Evaluated {
+        Evaluation {
             gradients,
             forces,
             energy: volume.mul_add(mu.mul_add(size2, lambda * 0.5 * trace * trace), spread * 0.5),

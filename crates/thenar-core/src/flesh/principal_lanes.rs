@@ -6,7 +6,7 @@ use crate::flesh::principal::STRETCH_MIN;
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 /// A law at its stretches. What belongs to a pair of axes has the index of the third.
-pub struct At<S: Simd> {
+pub struct PrincipalResponse<S: Simd> {
     /// ψ \[J/m³\].
     pub energy: f64x8<S>,
     /// Principal first Piola stresses \[Pa\].
@@ -26,7 +26,7 @@ const ALIKE: f64 = 1e-6;
 
 /// The law of these elements, one that is evaluated together.
 #[inline(always)]
-pub fn density<S: Simd>(simd: S, rest: &RestLanes, s: &Vec3x8<S>) -> At<S> {
+pub fn density<S: Simd>(simd: S, rest: &RestLanes, s: &Vec3x8<S>) -> PrincipalResponse<S> {
     let lambda = f64x8::load_array_ref(simd, &rest.lambda);
     let mu = f64x8::load_array_ref(simd, &rest.mu);
     let area = [s[1] * s[2], s[2] * s[0], s[0] * s[1]];
@@ -46,11 +46,11 @@ fn stable_neo_hookean<S: Simd>(
     volume: f64x8<S>,
     lambda: f64x8<S>,
     mu: f64x8<S>,
-) -> At<S> {
+) -> PrincipalResponse<S> {
     let p = lambda.mul_sub(volume, mu);
     let squares = s[0].mul_add(s[0], s[1].mul_add(s[1], s[2] * s[2])) - 3.0;
     let bulk = lambda * volume * 0.5 - mu;
-    At {
+    PrincipalResponse {
         energy: mu * squares * 0.5 + bulk * volume,
         stress: three(
             #[inline(always)]
@@ -94,7 +94,12 @@ fn loaded<S: Simd>(simd: S, numbers: &[[f64; LANES]; 3]) -> Vec3x8<S> {
 
 /// `P = μσ + (λ ln J - μ) / σ`, and its expansion beyond [`STRETCH_MIN`].
 #[inline(always)]
-fn neo_hookean<S: Simd>(simd: S, s: &Vec3x8<S>, lambda: f64x8<S>, mu: f64x8<S>) -> At<S> {
+fn neo_hookean<S: Simd>(
+    simd: S,
+    s: &Vec3x8<S>,
+    lambda: f64x8<S>,
+    mu: f64x8<S>,
+) -> PrincipalResponse<S> {
     let least = simd.splat_f64x8(STRETCH_MIN);
     let at = three(
         #[inline(always)]
@@ -134,7 +139,7 @@ fn neo_hookean<S: Simd>(simd: S, s: &Vec3x8<S>, lambda: f64x8<S>, mu: f64x8<S>) 
         energy += past[k] * slope[k].mul_add(0.5, there[k]);
     }
     let (small, zero) = (simd.splat_f64x8(ALIKE), simd.splat_f64x8(0.0));
-    At {
+    PrincipalResponse {
         energy,
         stress,
         diagonal,
@@ -167,7 +172,7 @@ fn ogden<S: Simd>(
     volume: f64x8<S>,
     lambda: f64x8<S>,
     mu: f64x8<S>,
-) -> At<S> {
+) -> PrincipalResponse<S> {
     let alpha = f64x8::load_array_ref(simd, &rest.alpha);
     let over = mu * 2.0 / alpha;
     let (shape, bulk) = (over / alpha, lambda + mu * (2.0 / 3.0) + over);
@@ -193,7 +198,7 @@ fn ogden<S: Simd>(
         },
     );
     let small = simd.splat_f64x8(ALIKE);
-    At {
+    PrincipalResponse {
         energy: shape * g.mul_sub(sum, simd.splat_f64x8(3.0)) + bulk * volume * volume * 0.5,
         stress: three(
             #[inline(always)]

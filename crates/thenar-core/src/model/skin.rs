@@ -80,7 +80,7 @@ pub fn facets(
     surface: &EmbeddedSurface,
     sheet: impl Fn(usize) -> Option<u32>,
 ) -> Vec<Facet> {
-    let mesh = Walked { nodes, tets, behind: behind_faces(tets) };
+    let mesh = BoundaryWalk { nodes, tets, behind: behind_faces(tets) };
     let mut places = vec![Vec3::zeros(); surface.vertices.len()];
     surface.positions(tets, nodes, &mut places);
     let mut pieces: Vec<(u32, u32, Vec3, f64)> = Vec::new();
@@ -144,13 +144,13 @@ fn merged(pieces: &[(u32, u32, Vec3, f64)]) -> Vec<Facet> {
     facets
 }
 
-struct Walked<'a> {
+struct BoundaryWalk<'a> {
     nodes: &'a [Vec3],
     tets: &'a [[u32; 4]],
     behind: Vec<[u32; 4]>,
 }
 
-impl Walked<'_> {
+impl BoundaryWalk<'_> {
     fn corners(&self, t: u32) -> [Vec3; 4] {
         self.tets[t as usize].map(|n| self.nodes[n as usize])
     }
@@ -269,7 +269,7 @@ mod tests {
             assert!((sum - area).abs() < 1e-12 * area);
             let normal = (x[1] - x[0]).cross(&(x[2] - x[0])).normalize();
             assert!(facets.iter().all(|f| f.sheet == 7 && (f.normal - normal).norm() < 1e-9));
-            let mesh = Walked { nodes: &nodes, tets: &tets, behind: behind_faces(&tets) };
+            let mesh = BoundaryWalk { nodes: &nodes, tets: &tets, behind: behind_faces(&tets) };
             for _ in 0..20 {
                 let p = Vec3::repeat(0.02) + random.vector(0.0199);
                 let t = mesh.at(&p, surface.vertices[0].tet);

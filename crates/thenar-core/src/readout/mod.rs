@@ -32,7 +32,7 @@ pub use vertex::VertexContact;
 
 use crate::World;
 use crate::contact::Site;
-use crate::coupling::Share;
+use crate::coupling::KernelValue;
 use crate::model::BodyId;
 use std::ops::Range;
 use vertex::Surfaces;
@@ -80,7 +80,7 @@ pub struct ContactReadout {
     /// Last bone of each part.
     tips: Vec<Option<u32>>,
     /// Shares of offsets by pose.
-    shares: Vec<Share>,
+    shares: Vec<KernelValue>,
 }
 
 impl ContactReadout {

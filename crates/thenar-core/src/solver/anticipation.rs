@@ -8,9 +8,9 @@
 //! 2. finds λ for `J (y + D⁻¹ Jᵀ λ) ≥ p` by projected Gauss-Seidel over the contacts;
 //! 3. relaxes `A x = Jᵀ λ` by one block Gauss-Seidel sweep over the unknowns.
 
+use crate::capacity_vec::CapacityVec;
 use crate::math::{Vec3, Vec6};
 use crate::model::Cone;
-use crate::room::Room;
 use crate::solver::{BlockDiagonal, BlockMatrix, ContactRows, Convergence};
 
 /// Stopping rules and friction cone.
@@ -32,7 +32,7 @@ const FULL_PASS_EVERY: u32 = 4;
 
 /// Contacts that a pass visits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Who {
+enum ContactSubset {
     /// Every contact.
     All,
     /// Only contacts with an impulse.
@@ -47,8 +47,8 @@ pub struct Anticipation {
     /// y + D⁻¹ Jᵀ λ, valid at touched rows.
     anticipated: Vec<Vec3>,
     /// Rigid bodies and nodes that some contact holds.
-    touched_rigids: Room<u32>,
-    touched_nodes: Room<u32>,
+    touched_rigids: CapacityVec<u32>,
+    touched_nodes: CapacityVec<u32>,
     mark: Vec<bool>,
 }
 
@@ -59,8 +59,8 @@ impl Anticipation {
         Self {
             impulse: vec![Vec3::zeros(); rows],
             anticipated: vec![Vec3::zeros(); rows],
-            touched_rigids: Room::with_capacity(rigids),
-            touched_nodes: Room::with_capacity(nodes),
+            touched_rigids: CapacityVec::with_capacity(rigids),
+            touched_nodes: CapacityVec::with_capacity(nodes),
             mark: vec![false; rows],
         }
     }
@@ -88,7 +88,8 @@ impl Anticipation {
             self.anticipate(a, d, contacts, x);
             let all = convergence.iterations.is_multiple_of(FULL_PASS_EVERY);
             for pass in 0..settings.inner_passes {
-                let who = if all && pass == 0 { Who::All } else { Who::Pressing };
+                let who =
+                    if all && pass == 0 { ContactSubset::All } else { ContactSubset::Pressing };
                 self.pass_over_contacts(d, contacts, settings.cone, who);
             }
             self.gather_impulse(contacts);
@@ -151,11 +152,11 @@ impl Anticipation {
         d: &BlockDiagonal,
         contacts: &mut ContactRows,
         cone: Cone,
-        who: Who,
+        who: ContactSubset,
     ) {
         for i in 0..contacts.rows.len() {
             let row = &contacts.rows[i];
-            if who == Who::Pressing && row.lambda.x == 0.0 {
+            if who == ContactSubset::Pressing && row.lambda.x == 0.0 {
                 continue;
             }
             let w = contacts.relative_velocity(row, &self.anticipated);

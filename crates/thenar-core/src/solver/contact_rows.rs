@@ -2,10 +2,10 @@
 //! that the solvers need. J is never formed; a row is a contact frame and the points it holds.
 //! A joint limit is a row too, which holds how two bodies turn against each other.
 
+use crate::capacity_vec::CapacityVec;
 use crate::math::{Mat3, Mat6, Vec3, Vec6, tangents};
-use crate::room::Room;
 use crate::solver::BlockDiagonal;
-use crate::solver::push_out::Push;
+use crate::solver::push_out::PushRow;
 use std::ops::Range;
 
 /// A turn enters as the speed of a point so far from its axis, so that one tolerance \[m/s\] serves
@@ -34,7 +34,7 @@ pub struct ContactRow {
     /// The part of its normal component that is in the velocities without contact already \[N s\].
     pub included: f64,
     /// While overlaps are undone, what the row asks for then.
-    pub push: Option<Push>,
+    pub push: Option<PushRow>,
     /// Own response `J D⁻¹ Jᵀ` \[1/kg\].
     pub response: Mat3,
 }
@@ -43,11 +43,11 @@ pub struct ContactRow {
 #[derive(Clone, Debug, Default)]
 pub struct ContactRows {
     /// Rows of the contacts.
-    pub rows: Room<ContactRow>,
+    pub rows: CapacityVec<ContactRow>,
     /// Node of each held point.
-    pub nodes: Room<u32>,
+    pub nodes: CapacityVec<u32>,
     /// Barycentric weight of each, negative on side B.
-    pub weights: Room<f64>,
+    pub weights: CapacityVec<f64>,
     /// Number of rigid bodies, which come before the nodes among the unknowns.
     pub rigids: usize,
 }
@@ -56,9 +56,9 @@ impl ContactRows {
     /// Room for this many bodies and contacts.
     pub fn with_capacity(rigids: usize, contacts: usize) -> Self {
         Self {
-            rows: Room::with_capacity(contacts),
-            nodes: Room::with_capacity(16 * contacts),
-            weights: Room::with_capacity(16 * contacts),
+            rows: CapacityVec::with_capacity(contacts),
+            nodes: CapacityVec::with_capacity(16 * contacts),
+            weights: CapacityVec::with_capacity(16 * contacts),
             rigids,
         }
     }

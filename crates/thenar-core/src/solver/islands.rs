@@ -174,8 +174,8 @@ impl Islands {
         share
     }
 
-    /// Shortens velocities, one for each block row, but for the components that are given.
-    pub fn shorten(&self, known: &[[bool; 3]], v: &mut [Vec3]) {
+    /// Scales velocities, one for each block row, but for the components that are given.
+    pub fn scale(&self, known: &[[bool; 3]], v: &mut [Vec3]) {
         for (row, (v, known)) in v.iter_mut().zip(known).enumerate() {
             let s = self.share(row);
             (0..3).filter(|&k| !known[k]).for_each(|k| v[k] *= s);

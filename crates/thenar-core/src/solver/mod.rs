@@ -32,8 +32,8 @@ pub use dense_reference::DenseSystem;
 pub use diagonal::BlockDiagonal;
 pub use failure::Failure;
 pub use islands::Islands;
-pub use push_out::Wish;
-pub use turning::{Apart, Turning};
+pub use push_out::PushTarget;
+pub use turning::{RelativeTerm, Turning};
 
 /// Joints that close a loop often ask twice for the same thing, and a joint between bodies that do
 /// not move asks for nothing that can be given. A compliance of this part of a row's own response

@@ -23,8 +23,9 @@ const YIELD: f64 = 0.1;
 
 /// Pseudo-velocity that a contact asks for, along its normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wish {
-    /// Velocity at which the overlap should go \[m/s\]; where the contact is open, [`Wish::least`].
+pub struct PushTarget {
+    /// Velocity at which the overlap should go \[m/s\]; where the contact is open,
+    /// [`PushTarget::least`].
     pub wanted: f64,
     /// Least velocity, below which the contact would close too fast in any case; not above zero
     /// \[m/s\].
@@ -33,14 +34,14 @@ pub struct Wish {
 
 /// A row that takes part in pushing out, and what it was in the solve for velocities.
 #[derive(Clone, Copy, Debug)]
-pub struct Push {
-    wish: Wish,
+pub struct PushRow {
+    wish: PushTarget,
     lambda: Vec3,
     target: Vec3,
     included: f64,
 }
 
-impl Push {
+impl PushRow {
     /// The impulse of a contact whose `J p` less what it wants would be `rest` without it.
     pub fn impulse(&self, W: &Mat3, rest: f64) -> Vec3 {
         if is_immovable(W) {
@@ -55,7 +56,7 @@ impl Push {
 impl ContactRows {
     /// Until [`ContactRows::end_push`] rows stand for these wishes, in their order, and their
     /// impulses are those that push, zero at first.
-    pub fn begin_push(&mut self, wishes: &[Wish]) {
+    pub fn begin_push(&mut self, wishes: &[PushTarget]) {
         for (row, wish) in self.rows.iter_mut().zip(wishes) {
             row.begin_push(*wish);
         }
@@ -72,9 +73,9 @@ impl ContactRows {
 }
 
 impl ContactRow {
-    fn begin_push(&mut self, wish: Wish) {
+    fn begin_push(&mut self, wish: PushTarget) {
         let (lambda, target, included) = (self.lambda, self.target, self.included);
-        self.push = Some(Push { wish, lambda, target, included });
+        self.push = Some(PushRow { wish, lambda, target, included });
         self.lambda = Vec3::zeros();
         self.target = Vec3::new(wish.wanted, 0.0, 0.0);
         self.included = 0.0;

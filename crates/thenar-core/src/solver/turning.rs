@@ -12,12 +12,12 @@ pub struct Turning {
     /// The lever l of each bone, weighted, world \[m\].
     pub levers: [Vec3; 2],
     /// T, where there is one.
-    pub apart: Option<Apart>,
+    pub apart: Option<RelativeTerm>,
 }
 
 /// T: what bones that turn apart add.
 #[derive(Clone, Copy, Debug)]
-pub enum Apart {
+pub enum RelativeTerm {
     /// Matrix T of blended rotations, `κ rᵀ − (κ·r) 1` \[m\].
     Blended {
         /// κ, along the axis by which the bones are turned to each other, world.
@@ -67,7 +67,7 @@ impl Turning {
 /// T acts on `ω_0 − ω_1`.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-impl Apart {
+impl RelativeTerm {
     /// `T ω`: velocity of the target \[m/s\] when the first bone turns by ω against the second
     /// \[rad/s\].
     #[inline(always)]
@@ -109,8 +109,8 @@ mod tests {
         let mut random = Random::new(5);
         for k in 0..100 {
             let apart = match k % 2 {
-                0 => Apart::Blended { axis: random.vector(1.0), arm: random.vector(0.1) },
-                _ => Apart::Posed(Mat3::from_fn(|_, _| random.range(-0.1, 0.1))),
+                0 => RelativeTerm::Blended { axis: random.vector(1.0), arm: random.vector(0.1) },
+                _ => RelativeTerm::Posed(Mat3::from_fn(|_, _| random.range(-0.1, 0.1))),
             };
             let levers = [random.vector(0.1), random.vector(0.1)];
             let turning = Turning { levers, apart: (k % 3 > 0).then_some(apart) };

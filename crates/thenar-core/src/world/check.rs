@@ -29,7 +29,7 @@ pub fn is_time_step(h: f64) -> bool {
 
 /// Brings rotations of another length to one: those of files in single precision are off by 1e-7,
 /// and normals would be by twice as much. One without a length stays, and is refused by [`check`].
-pub fn turn_rightly(desc: &mut WorldDesc) {
+pub fn normalize_rotations(desc: &mut WorldDesc) {
     let right = |rotation: &mut Quat| *rotation = to_turn(rotation).unwrap_or(*rotation);
     for rigid in &mut desc.rigids {
         right(&mut rigid.pose_WB.rotation);

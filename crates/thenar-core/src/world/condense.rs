@@ -6,12 +6,14 @@
 //! the hand's motion alone: it has its inertia over one time step, and goes on for as long at its
 //! velocity.
 
-use crate::condensed::{CondensedContact, RigidState, SlowToFast};
+use crate::condensed::{BoneFrame, CondensedContact, RigidState};
 use crate::contact::Site;
 use crate::math::{Mat3, Vec3};
 use crate::model::{Drive, JointLimits, WorldDesc};
 use crate::solver::TURN_LEVER;
-use crate::solver::monolithic::{Accuracy, Answer, Monolithic, PRESSING_MAX, StepSystem};
+use crate::solver::monolithic::{
+    Accuracy, Monolithic, PRESSING_MAX, ReducedCompliance, StepSystem,
+};
 use crate::world::parts::StepPart;
 use crate::world::readout::Readout;
 use crate::world::scheme::Solver;
@@ -39,7 +41,7 @@ impl World {
     /// Returns whether there is a response. There is none, and a haptic loop goes on as in
     /// multirate, with another solver than the monolithic one, when the system cannot be factored,
     /// or when the frame is for another number of bones.
-    pub fn condense(&mut self, bones: Range<u32>, input: &Input, to: &mut SlowToFast) -> bool {
+    pub fn condense(&mut self, bones: Range<u32>, input: &Input, to: &mut BoneFrame) -> bool {
         to.response.clear();
         let bones = bones.start as usize..(bones.end as usize).min(self.model.rigids.len());
         if to.bones.len() != bones.len() || to.response.bones() != bones.len() {
@@ -50,7 +52,7 @@ impl World {
         }
         let Self { desc, model, state, scratch, readout, solver, time_step: h, .. } = self;
         let Solver::Monolithic(monolithic) = solver else { return false };
-        let mut rest = Rest { desc, model, state, scratch, readout, input, h: *h };
+        let mut rest = RestInputs { desc, model, state, scratch, readout, input, h: *h };
         rest.choose(to.response.contacts_max());
         rest.assemble(monolithic);
         for b in bones.clone() {
@@ -71,15 +73,16 @@ impl World {
         let motion = &mut before.v;
         motion.fill(Vec3::zeros());
         let (compliance, lift, delassus) = to.response.products();
-        let mut answer = Answer { bodies: compliance, lift, contacts: delassus };
-        let order = monolithic.answer(
+        let mut reduced_compliance =
+            ReducedCompliance { bodies: compliance, lift, contacts: delassus };
+        let order = monolithic.reduced_compliance(
             &step,
             joints,
             (motion, REST),
             chosen,
             rows,
             bones.clone(),
-            &mut answer,
+            &mut reduced_compliance,
         );
         let Some(order) = order else {
             to.response.clear();
@@ -87,7 +90,7 @@ impl World {
         };
         chosen.clear();
         chosen.extend_from_slice(order);
-        monolithic.solve_answered(&step, &AT_REST, motion);
+        monolithic.solve_factored(&step, &AT_REST, motion);
         for b in bones.clone() {
             let parts = motion[2 * b..][..2].iter().flatten();
             to.response.rest.extend(parts.map(|rate| REST * rate));
@@ -114,7 +117,7 @@ impl World {
 }
 
 /// Inputs from which the system at rest is made.
-struct Rest<'a> {
+struct RestInputs<'a> {
     desc: &'a WorldDesc,
     model: &'a Model,
     state: &'a mut State,
@@ -125,7 +128,7 @@ struct Rest<'a> {
     h: f64,
 }
 
-impl Rest<'_> {
+impl RestInputs<'_> {
     /// Lists the contacts and joint limits of the last step by what they matter, at most `most`:
     /// those that bear force, then the nearest.
     fn choose(&mut self, most: usize) {

@@ -1,6 +1,6 @@
 //! Energy, momentum and the forces that drives and flesh put on bones.
 
-use crate::coupling::{Share, SkinTarget, skin_target};
+use crate::coupling::{KernelValue, SkinTarget, skin_target};
 use crate::math::{Quat, Vec3};
 use crate::model::JointKind;
 use crate::skeleton::{AxisState, axis_states, drive_energy, drive_force, spring_energy};
@@ -89,7 +89,7 @@ impl World {
         let mut wrench = [Vec3::zeros(); 2];
         let shares = self.shares();
         for (k, bound) in self.model.coupling.bound.iter().enumerate() {
-            for j in (0..bound.carriers()).filter(|&j| bound.bones[j] == i) {
+            for j in (0..bound.bone_count()).filter(|&j| bound.bones[j] == i) {
                 let (target, force) = self.spring_force(k, &shares);
                 wrench[0] -= force * bound.weights[j];
                 wrench[1] -= target.turning.torque(j, &force);
@@ -103,13 +103,13 @@ impl World {
     /// `shares` is room for those of offsets by pose.
     pub(crate) fn for_each_bone_load(
         &self,
-        shares: &mut Vec<Share>,
+        shares: &mut Vec<KernelValue>,
         mut load: impl FnMut(u32, Vec3, Vec3),
     ) {
         self.model.coupling.offsets.pose(&self.state.poses_WB, shares);
         for (k, bound) in self.model.coupling.bound.iter().enumerate() {
             let (target, force) = self.spring_force(k, shares);
-            for j in 0..bound.carriers() {
+            for j in 0..bound.bone_count() {
                 let torque = -target.turning.torque(j, &force);
                 load(bound.bones[j], force * -bound.weights[j], torque);
             }
@@ -129,17 +129,17 @@ impl World {
     }
 
     /// Shares of offsets by pose at this state.
-    fn shares(&self) -> Vec<Share> {
+    fn shares(&self) -> Vec<KernelValue> {
         self.model.coupling.shares(&self.state.poses_WB)
     }
 
     /// Target of bound node `k` and the force of its spring and damper on the node.
-    fn spring_force(&self, k: usize, shares: &[Share]) -> (SkinTarget, Vec3) {
+    fn spring_force(&self, k: usize, shares: &[KernelValue]) -> (SkinTarget, Vec3) {
         let (model, state) = (&self.model, &self.state);
         let bound = &model.coupling.bound[k];
         let target = skin_target(bound, &state.poses_WB, &model.coupling.offsets.with(shares));
         let mut rate = state.v[2 * model.rigids.len() + bound.node as usize];
-        for j in 0..bound.carriers() {
+        for j in 0..bound.bone_count() {
             let bone = bound.bones[j] as usize;
             rate -= state.v[2 * bone] * bound.weights[j]
                 + target.turning.velocity(j, &state.v[2 * bone + 1]);

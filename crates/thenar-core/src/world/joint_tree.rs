@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// A joint and the body that hangs on it.
 #[derive(Clone, Copy, Debug)]
-struct Hung {
+struct TreeJoint {
     joint: usize,
     outward: usize,
     /// The body that hangs on the joint is its parent.
@@ -21,7 +21,7 @@ struct Hung {
 
 /// Bodies that joints or flesh tie to each other and to nothing fixed.
 #[derive(Clone, Debug)]
-pub struct Floating {
+pub struct FloatingGroup {
     /// Rigid bodies.
     pub bodies: Vec<usize>,
     /// Nodes of the flesh around them.
@@ -30,7 +30,7 @@ pub struct Floating {
 
 /// Bodies that hang on one joint with what is fixed.
 #[derive(Clone, Debug)]
-pub struct Hanging {
+pub struct Subtree {
     /// This joint.
     pub joint: usize,
     /// Rigid bodies.
@@ -40,13 +40,13 @@ pub struct Hanging {
 /// All joints in the order in which they place bodies.
 #[derive(Clone, Debug, Default)]
 pub struct JointTree {
-    hung: Vec<Hung>,
+    hung: Vec<TreeJoint>,
     /// Joints that close loops.
     pub cuts: Vec<usize>,
     /// Bodies that keep their momentum.
-    pub floating: Vec<Floating>,
+    pub floating: Vec<FloatingGroup>,
     /// Bodies that keep their swing: trees of rigid bodies without loops.
-    pub hanging: Vec<Hanging>,
+    pub hanging: Vec<Subtree>,
 }
 
 impl JointTree {
@@ -61,7 +61,7 @@ impl JointTree {
         let spanned = spanning(&moves, &ends);
         let hung = spanned.links.iter().filter_map(|link| {
             let joint = real[link.joint?];
-            Some(Hung { joint, outward: link.bone, reversed: link.reversed })
+            Some(TreeJoint { joint, outward: link.bone, reversed: link.reversed })
         });
         let mut tree = Self {
             hung: hung.collect(),
@@ -75,7 +75,7 @@ impl JointTree {
     }
 
     /// Trees that hang on one joint with the world, but for those with flesh or loops.
-    fn find_hanging(&self, model: &Model) -> Vec<Hanging> {
+    fn find_hanging(&self, model: &Model) -> Vec<Subtree> {
         let mut root_of: Vec<Option<usize>> = vec![None; model.rigids.len()];
         for hung in &self.hung {
             let joint = &model.joints[hung.joint];
@@ -100,7 +100,7 @@ impl JointTree {
         roots.retain(|root| !left_out.contains(&Some(*root)));
         let of = |joint: usize| {
             let bodies = (0..root_of.len()).filter(|&b| root_of[b] == Some(joint)).collect();
-            Hanging { joint, bodies }
+            Subtree { joint, bodies }
         };
         roots.into_iter().map(of).collect()
     }
@@ -146,7 +146,7 @@ impl JointTree {
 }
 
 /// Bodies with joints or flesh that nothing fixed holds.
-fn find_floating(model: &Model, real: &[usize]) -> Vec<Floating> {
+fn find_floating(model: &Model, real: &[usize]) -> Vec<FloatingGroup> {
     let bodies = model.rigids.len();
     // The last entry stands for all that is fixed.
     let fixed = bodies;
@@ -165,7 +165,7 @@ fn find_floating(model: &Model, real: &[usize]) -> Vec<Floating> {
         let Some(soft) = model.soft_nodes.iter().position(|nodes| nodes.contains(&node)) else {
             continue;
         };
-        for &bone in &bound.bones[..bound.carriers()] {
+        for &bone in &bound.bones[..bound.bone_count()] {
             let bone = place(Some(bone));
             ties.push((*bone_of_soft[soft].get_or_insert(bone), bone));
         }
@@ -181,7 +181,7 @@ fn find_floating(model: &Model, real: &[usize]) -> Vec<Floating> {
     let tied = |b: usize| ties.iter().any(|&(p, q)| p == b || q == b);
     (0..bodies)
         .filter(|&b| find(&leader, b) == b && tied(b))
-        .map(|head| Floating {
+        .map(|head| FloatingGroup {
             bodies: (0..bodies).filter(|&b| find(&leader, b) == head).collect(),
             nodes: (0..bone_of_soft.len())
                 .filter(|&s| bone_of_soft[s].is_some_and(|b| find(&leader, b) == head))

@@ -13,13 +13,18 @@
 //! alike.
 
 use crate::math::{Mat3, Quat, Vec3, rotation_vector, skew};
-use crate::world::joint_tree::Floating;
+use crate::world::joint_tree::FloatingGroup;
 use crate::world::kinematic_advance::UnjointedMotion;
 use crate::world::model::Model;
 use crate::world::state::State;
 
 /// Brings what floats to where its momentum would have taken it.
-pub fn keep_course(floating: &Floating, model: &Model, moved: &UnjointedMotion, state: &mut State) {
+pub fn keep_course(
+    floating: &FloatingGroup,
+    model: &Model,
+    moved: &UnjointedMotion,
+    state: &mut State,
+) {
     let (mass, shift) = shift_of(floating, model, moved, state);
     let centre = centre_of(floating, model, state, mass);
     let (inertia, moment) = turn_of(floating, model, moved, state, &centre);
@@ -28,7 +33,12 @@ pub fn keep_course(floating: &Floating, model: &Model, moved: &UnjointedMotion, 
 }
 
 /// Gives velocities the angular momentum that positions have cost.
-pub fn keep_spin(floating: &Floating, model: &Model, moved: &UnjointedMotion, state: &mut State) {
+pub fn keep_spin(
+    floating: &FloatingGroup,
+    model: &Model,
+    moved: &UnjointedMotion,
+    state: &mut State,
+) {
     let (mass, _) = shift_of(floating, model, moved, state);
     let centre = centre_of(floating, model, state, mass);
     let (inertia, lost) = lost_spin(floating, model, moved, state, &centre);
@@ -45,7 +55,7 @@ pub fn keep_spin(floating: &Floating, model: &Model, moved: &UnjointedMotion, st
 
 /// M and `Σ m δ`.
 fn shift_of(
-    floating: &Floating,
+    floating: &FloatingGroup,
     model: &Model,
     moved: &UnjointedMotion,
     state: &State,
@@ -65,7 +75,7 @@ fn shift_of(
 }
 
 /// `Σ m x / M`.
-fn centre_of(floating: &Floating, model: &Model, state: &State, mass: f64) -> Vec3 {
+fn centre_of(floating: &FloatingGroup, model: &Model, state: &State, mass: f64) -> Vec3 {
     let bodies = floating.bodies.iter();
     let sum: Vec3 = bodies.map(|&b| state.poses_WB[b].position * model.rigids[b].mass).sum();
     let nodes = floating.nodes.iter().cloned().flatten();
@@ -74,7 +84,7 @@ fn centre_of(floating: &Floating, model: &Model, state: &State, mass: f64) -> Ve
 
 /// I about the centre and `I φ`.
 fn turn_of(
-    floating: &Floating,
+    floating: &FloatingGroup,
     model: &Model,
     moved: &UnjointedMotion,
     state: &State,
@@ -98,7 +108,7 @@ fn turn_of(
 }
 
 /// Shifts and turns all about the centre.
-fn move_all(floating: &Floating, state: &mut State, centre: &Vec3, shift: &Vec3, turn: &Vec3) {
+fn move_all(floating: &FloatingGroup, state: &mut State, centre: &Vec3, shift: &Vec3, turn: &Vec3) {
     let rotation = Quat::from_scaled_axis(*turn);
     let place = |x: &Vec3| centre + shift + rotation * (x - centre);
     for &b in &floating.bodies {
@@ -113,7 +123,7 @@ fn move_all(floating: &Floating, state: &mut State, centre: &Vec3, shift: &Vec3,
 
 /// I about the centre and the angular momentum that velocities have lost to positions.
 fn lost_spin(
-    floating: &Floating,
+    floating: &FloatingGroup,
     model: &Model,
     moved: &UnjointedMotion,
     state: &State,

@@ -10,14 +10,14 @@ use crate::math::{Mat3, Vec3};
 use crate::model::JointKind;
 use crate::skeleton::axis_states;
 use crate::world::assemble::joint_frames;
-use crate::world::joint_tree::Hanging;
+use crate::world::joint_tree::Subtree;
 use crate::world::keep_momentum::{point_inertia, turned_inertia};
 use crate::world::kinematic_advance::UnjointedMotion;
 use crate::world::model::Model;
 use crate::world::state::State;
 
 /// Gives back what positions have cost.
-pub fn keep_swing(hanging: &Hanging, model: &Model, moved: &UnjointedMotion, state: &mut State) {
+pub fn keep_swing(hanging: &Subtree, model: &Model, moved: &UnjointedMotion, state: &mut State) {
     let joint = &model.joints[hanging.joint];
     let pivot = state.poses_WB[joint.child as usize].point(&joint.pose_CK.position);
     let (mut inertia, mut lost) = (Mat3::zeros(), Vec3::zeros());

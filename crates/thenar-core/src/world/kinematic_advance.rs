@@ -16,7 +16,7 @@
 //! Steps 2 to 4 correct positions by second order in Δt and leave velocities as the solver found
 //! them.
 
-use crate::coupling::{Share, skin_target};
+use crate::coupling::{KernelValue, skin_target};
 use crate::math::{Pose, Quat, Vec3};
 use crate::skeleton::joint_block;
 use crate::solver::JointBlock;
@@ -84,7 +84,7 @@ pub fn advance_jointed(
     for (bound, target_W) in model.coupling.carried().zip(&mut moved.targets_W) {
         let target = skin_target(bound, &state.poses_WB, &posed);
         *target_W = target.position_W;
-        for j in 0..bound.carriers() {
+        for j in 0..bound.bone_count() {
             let b = 2 * bound.bones[j] as usize;
             let turned = target.turning.velocity(j, &velocity(b + 1));
             *target_W += (velocity(b) * bound.weights[j] + turned) * h;
@@ -169,7 +169,7 @@ fn keep_own_spins(model: &Model, state: &mut State, moved: &UnjointedMotion) {
 }
 
 /// Takes each carried node along with its target by what the target moves beyond first order.
-fn carry(model: &Model, state: &mut State, moved: &UnjointedMotion, shares: &mut Vec<Share>) {
+fn carry(model: &Model, state: &mut State, moved: &UnjointedMotion, shares: &mut Vec<KernelValue>) {
     let row0 = 2 * model.rigids.len();
     let posed = model.coupling.offsets.pose(&state.poses_WB, shares);
     for (bound, target_W) in model.coupling.carried().zip(&moved.targets_W) {

@@ -1,7 +1,6 @@
 //! The stepped world: one hand or many, and what they touch.
 
 mod advance;
-mod alone;
 mod areas;
 mod assemble;
 mod check;
@@ -34,12 +33,12 @@ mod stability;
 mod start;
 mod state;
 mod step;
+mod sub_world;
 mod two_step;
 mod validate;
 
-pub use crate::room::Room;
+pub use crate::capacity_vec::CapacityVec;
 pub use crate::solver::Failure;
-pub use alone::Alone;
 pub use check::GRAVITY_MAX;
 pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, JointTarget, Stage, StageTimer, StepReport, Target};
@@ -47,6 +46,7 @@ pub use model::Model;
 pub use overlap::Overlap;
 pub use parts::HALVINGS_MAX;
 pub use state::State;
+pub use sub_world::SubWorld;
 pub use validate::Invalid;
 
 use crate::contact::{Contact, Detector, RigidPlace, SeenSides};
@@ -81,7 +81,7 @@ pub struct World {
 impl World {
     /// Checks and compiles a description.
     pub fn new(mut desc: WorldDesc) -> Result<Self, ModelError> {
-        check::turn_rightly(&mut desc);
+        check::normalize_rotations(&mut desc);
         let model = Model::new(&desc)?;
         let detector = Detector::new(&desc);
         let mut state = State::new(&desc, &model);

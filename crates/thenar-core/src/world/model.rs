@@ -298,7 +298,7 @@ impl Model {
             let found =
                 carried.binary_search_by_key(&(node0 as u32 + node), |bound| bound.node).ok()?;
             let bones = carried[found].bones.map(Some);
-            let both = carried[found].carriers() == 2 && bodies.iter().all(|b| bones.contains(b));
+            let both = carried[found].bone_count() == 2 && bodies.iter().all(|b| bones.contains(b));
             both.then_some((found, bones[0] == bodies[0]))
         };
         let places: Result<Vec<(usize, bool)>, u32> =
@@ -345,11 +345,11 @@ impl Model {
         }
         pairs.extend(self.flesh.patches.pairs().map(|(a, b)| (row0 + a, row0 + b)));
         for bound in &self.coupling.bound {
-            for j in 0..bound.carriers() {
+            for j in 0..bound.bone_count() {
                 for part in 0..2 {
                     let bone = 2 * bound.bones[j] + part;
                     pairs.push((row0 + bound.node, bone));
-                    for l in 0..bound.carriers() {
+                    for l in 0..bound.bone_count() {
                         pairs.extend((0..2).map(|q| (bone, 2 * bound.bones[l] + q)));
                     }
                 }
@@ -386,7 +386,7 @@ impl Model {
             .iter()
             .map(|bound| {
                 let node = row0 + bound.node;
-                let carried = |j: usize| bound.bones[if j < bound.carriers() { j } else { 0 }];
+                let carried = |j: usize| bound.bones[if j < bound.bone_count() { j } else { 0 }];
                 let bone = |j: usize, part: u32| 2 * carried(j) + part;
                 CouplingEntries {
                     node: entry(node, node),

@@ -1,6 +1,6 @@
 //! A step by the monolithic solver: what it needs of the model, and what it gives the state.
 
-use crate::coupling::{Share, skin_target};
+use crate::coupling::{KernelValue, skin_target};
 use crate::math::Vec3;
 use crate::model::{JointLimits, SolverSettings, WorldDesc};
 use crate::solver::monolithic::{Accuracy, CarriedNode, LastContact, Monolithic, Plan, StepSystem};
@@ -30,7 +30,7 @@ pub fn build(desc: &WorldDesc, model: &Model, contacts_max: usize) -> Monolithic
         .map(|bound| CarriedNode {
             node: bound.node,
             bones: bound.bones,
-            carriers: bound.carriers() as u8,
+            bone_count: bound.bone_count() as u8,
             held: model.known[2 * model.rigids.len() + bound.node as usize],
             weights: bound.weights,
             turning: Turning::NONE,
@@ -68,7 +68,7 @@ pub fn couple(
     model: &Model,
     state: &State,
     h: f64,
-    shares: &mut Vec<Share>,
+    shares: &mut Vec<KernelValue>,
 ) {
     let coupling = &model.coupling;
     let posed = coupling.offsets.pose(&state.poses_WB, shares);
@@ -183,7 +183,7 @@ impl Scheme for MonolithicScheme<'_> {
             let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
             scratch.islands.begin(&scratch.rows);
             self.monolithic.calm(&step, &mut scratch.islands, &mut state.v);
-            response::shorten(model, h, state, scratch);
+            response::scale_impulses(model, h, state, scratch);
         }
         Ok(())
     }

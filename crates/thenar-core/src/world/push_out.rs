@@ -3,7 +3,7 @@
 use crate::contact::{Contact, Site};
 use crate::math::Vec3;
 use crate::model::SolverSettings;
-use crate::solver::{TURN_LEVER, Wish};
+use crate::solver::{PushTarget, TURN_LEVER};
 use crate::world::model::Model;
 use crate::world::scheme::Scheme;
 use crate::world::state::{Scratch, State};
@@ -60,12 +60,12 @@ pub fn closing(gap: f64, slack: f64, h: f64) -> f64 {
 
 /// The wish of a contact at `gap` \[m\] that opens at `speed` \[m/s\], if overlaps up to `left`
 /// \[m\] are left.
-pub fn wish(gap: f64, left: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
+pub fn wish(gap: f64, left: f64, speed: f64, h: f64, speed_max: f64) -> PushTarget {
     let least = (-gap.max(0.0) / h - speed).min(0.0);
     if gap >= -left {
-        return Wish { wanted: least, least };
+        return PushTarget { wanted: least, least };
     }
-    Wish { wanted: ((-(gap + left) / h).min(speed_max) - speed).max(least), least }
+    PushTarget { wanted: ((-(gap + left) / h).min(speed_max) - speed).max(least), least }
 }
 
 /// Lists what all rows ask for, given the velocities at the end of the step. False when none asks
@@ -92,8 +92,9 @@ pub fn list(settings: &SolverSettings, state: &State, h: f64, scratch: &mut Scra
         let speed_max = speed_max + shallow * row.target.x.max(0.0);
         wish(*gap, LEFT * slack, (frame * v).x, h, speed_max)
     }));
-    let asks =
-        |(wish, gap): (&Wish, &f64)| wish.wanted > settings.velocity_tolerance && -gap > slack;
+    let asks = |(wish, gap): (&PushTarget, &f64)| {
+        wish.wanted > settings.velocity_tolerance && -gap > slack
+    };
     wishes.iter().zip(gaps.iter()).any(asks)
 }
 

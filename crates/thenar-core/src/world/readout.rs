@@ -5,9 +5,9 @@
 //! [`Readout::lend`] gives the memory to the step, empty, and [`Readout::take`] takes the filled
 //! lists back. So nothing is copied or allocated, and no step can read contacts of the one before.
 
+use crate::capacity_vec::CapacityVec;
 use crate::contact::Contact;
 use crate::math::Vec3;
-use crate::room::Room;
 use crate::solver::ContactRows;
 use crate::world::limits::{self, LimitRow};
 use crate::world::state::Scratch;
@@ -18,11 +18,11 @@ use std::mem::swap;
 #[derive(Clone, Debug)]
 pub struct Readout {
     /// Contacts as reported.
-    pub contacts: Room<ContactPoint>,
+    pub contacts: CapacityVec<ContactPoint>,
     /// Places where each of them holds its bodies.
-    pub sites: Room<Contact>,
+    pub sites: CapacityVec<Contact>,
     /// Bounds of joints that had rows.
-    pub limits: Room<LimitRow>,
+    pub limits: CapacityVec<LimitRow>,
     /// Rows of contacts, then of limits, with their impulses.
     pub rows: ContactRows,
     /// Pseudo-velocity that undid overlaps \[m/s\].
@@ -40,9 +40,9 @@ impl Readout {
     pub fn new(model: &Model, contacts_max: usize) -> Self {
         let limits_max = limits::rows_max(model);
         Self {
-            contacts: Room::with_capacity(contacts_max),
-            sites: Room::with_capacity(contacts_max),
-            limits: Room::with_capacity(limits_max),
+            contacts: CapacityVec::with_capacity(contacts_max),
+            sites: CapacityVec::with_capacity(contacts_max),
+            limits: CapacityVec::with_capacity(limits_max),
             rows: ContactRows::with_capacity(model.rigids.len(), contacts_max + limits_max),
             push: vec![Vec3::zeros(); model.rows()],
             pushes: false,
@@ -88,7 +88,7 @@ impl Readout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::condensed::{RigidState, SlowToFast};
+    use crate::condensed::{BoneFrame, RigidState};
     use crate::contact::Shape;
     use crate::math::{Mat3, Pose};
     use crate::model::{Drive, Motion, RigidDesc, WorldDesc};
@@ -136,7 +136,7 @@ mod tests {
 
     /// All that is read after a step, with the hash of its state.
     fn read(world: &mut World, input: &Input) -> String {
-        let mut frame = SlowToFast::new(&[RigidState::of(world, 1)], 8);
+        let mut frame = BoneFrame::new(&[RigidState::of(world, 1)], 8);
         assert!(world.condense(1..2, input, &mut frame));
         format!("{frame:?} {:?} {}", world.contacts(), world.state_hash())
     }

@@ -73,8 +73,8 @@ fn keep_impulses(state: &mut State, scratch: &Scratch) {
     state.impulses.sort_unstable_by_key(|(key, _)| *key);
 }
 
-/// Velocities that were shortened came from impulses in the same measure, island by island.
-pub fn shorten(model: &Model, h: f64, state: &mut State, scratch: &mut Scratch) {
+/// Scales impulses as their velocities were scaled, island by island.
+pub fn scale_impulses(model: &Model, h: f64, state: &mut State, scratch: &mut Scratch) {
     let Scratch { rows, islands, found, .. } = scratch;
     for i in 0..rows.rows.len() {
         let share = islands.share_of_contact(&rows.rows[i], rows);

@@ -2,7 +2,7 @@
 
 use crate::contact::Shape;
 use crate::model::{Coupling, JointDesc, RigidDesc, SoftDesc, WorldDesc};
-use crate::world::check::turn_rightly;
+use crate::world::check::normalize_rotations;
 use crate::world::friction::patches_max;
 use crate::world::{Model, ModelError, World};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ impl World {
     /// The description is wrong, or bodies, shapes, meshes, bindings or joints differ. The world
     /// is as it was then.
     pub fn retune(&mut self, mut desc: WorldDesc) -> Result<(), ModelError> {
-        turn_rightly(&mut desc);
+        normalize_rotations(&mut desc);
         same_bodies(&self.desc, &desc)?;
         let model = Model::new(&desc)?;
         let old = std::mem::replace(&mut self.model, model);

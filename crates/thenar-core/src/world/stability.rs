@@ -43,7 +43,7 @@ impl World {
             let s = h * h * model.coupling.stiffness[k] + h * model.coupling.damping[k];
             let m = model.flesh.mass[node] * (1.0 + h * model.flesh.mass_damping[node]);
             let series = if model.is_held[node] { s } else { s * m / (m + s) };
-            for j in (0..bound.carriers()).filter(|&j| bound.bones[j] == i) {
+            for j in (0..bound.bone_count()).filter(|&j| bound.bones[j] == i) {
                 let moved = own_block(bound, j);
                 frozen += moved * s;
                 yielding += moved * series;

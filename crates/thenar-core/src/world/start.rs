@@ -26,7 +26,7 @@ impl World {
             return false;
         }
         self.state.copy_from(state);
-        self.state.tidy(&self.model);
+        self.state.normalize(&self.model);
         self.readout.forget_contacts();
         self.embed();
         true

@@ -1,15 +1,15 @@
 //! Changing data of a world: the state that a snapshot must hold, and the step's scratch memory.
 
+use crate::capacity_vec::CapacityVec;
 use crate::contact::{Contact, HeldPlace, SeenSides};
-use crate::coupling::{BoneSystem, Share};
+use crate::coupling::{BoneSystem, KernelValue};
 use crate::flesh::Faded;
 use crate::math::{Mat6, Pose, Vec3, Vec6, to_turn};
 use crate::model::WorldDesc;
-use crate::room::Room;
 use crate::skeleton::AxisState;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, Failure,
-    Islands, JointBlock, Wish,
+    Islands, JointBlock, PushTarget,
 };
 use crate::world::friction::{PatchKey, patches_max};
 use crate::world::hash::Hasher;
@@ -37,13 +37,13 @@ pub struct State {
     /// Change of the velocities by contact in the last step: the next one's first guess.
     pub contact_change: Vec<Vec3>,
     /// Contact impulses of the last step by feature, sorted \[N s\], world, on A.
-    pub impulses: Room<(u64, Vec3)>,
+    pub impulses: CapacityVec<(u64, Vec3)>,
     /// From which side surface vertices came near other bodies in the last step.
     pub sides: SeenSides,
     /// Impulses of joint limits in the last step, per joint and axis, on the child \[N m s\].
     pub limit_impulses: Vec<[f64; 2]>,
     /// Normal forces of the last step in patches whose friction depends on them, sorted \[N\].
-    pub patch_loads: Room<(PatchKey, f64)>,
+    pub patch_loads: CapacityVec<(PatchKey, f64)>,
     /// Stress that has faded in elements with memory: element after element, term after term.
     pub faded: Vec<Faded>,
 }
@@ -68,14 +68,14 @@ impl State {
             x,
             contact_change: vec![Vec3::zeros(); v.len()],
             v,
-            impulses: Room::default(),
+            impulses: CapacityVec::default(),
             sides: SeenSides::default(),
             limit_impulses: vec![[0.0; 2]; model.joints.len()],
-            patch_loads: Room::with_capacity(patches_max(model)),
+            patch_loads: CapacityVec::with_capacity(patches_max(model)),
             faded: vec![Faded::default(); model.flesh.memory.len()],
         };
         state.hold(model);
-        state.turn_rightly();
+        state.normalize_rotations();
         state
     }
 
@@ -93,7 +93,7 @@ impl State {
     }
 
     /// Makes rotations of what is one but for its length.
-    fn turn_rightly(&mut self) {
+    fn normalize_rotations(&mut self) {
         for pose in &mut self.poses_WB {
             pose.rotation = to_turn(&pose.rotation).unwrap_or(pose.rotation);
         }
@@ -101,9 +101,9 @@ impl State {
 
     /// Sorts lists that are searched, and stops held nodes along their axes: a state that was read
     /// back may say otherwise.
-    pub(super) fn tidy(&mut self, model: &Model) {
+    pub(super) fn normalize(&mut self, model: &Model) {
         self.hold(model);
-        self.turn_rightly();
+        self.normalize_rotations();
         // What is in order stays as it is, to the bit.
         if !self.impulses.is_sorted_by_key(|(key, _)| *key) {
             self.impulses.sort_by_key(|(key, _)| *key);
@@ -260,13 +260,13 @@ pub struct Scratch {
     /// Nodal mass that step 1 sees.
     pub step1_mass: Vec<f64>,
     /// Shares of offsets by pose.
-    pub shares: Vec<Share>,
+    pub shares: Vec<KernelValue>,
     /// Conjugate gradients.
     pub cg: CgWorkspace,
     /// Bounds of joints that have rows.
-    pub limits: Room<LimitRow>,
+    pub limits: CapacityVec<LimitRow>,
     /// Contacts found.
-    pub found: Room<Contact>,
+    pub found: CapacityVec<Contact>,
     /// The sides seen with them.
     pub sides: SeenSides,
     /// Rows of the contacts found.
@@ -274,18 +274,18 @@ pub struct Scratch {
     /// Contact solver.
     pub anticipation: Anticipation,
     /// Contacts as reported.
-    pub contacts: Room<ContactPoint>,
+    pub contacts: CapacityVec<ContactPoint>,
     /// Areas of the contacts reported \[m²\].
-    pub areas: Room<f64>,
+    pub areas: CapacityVec<f64>,
     /// Contacts and limits that touch reads, by weight.
-    pub chosen: Room<u32>,
+    pub chosen: CapacityVec<u32>,
     /// Depth of each rigid, then each deformable body in others when the part began \[m\].
     pub depths: Vec<f64>,
     /// Gaps of the contacts reported at the end of the step \[m\]; before, those of all rows at its
     /// start.
-    pub gaps: Room<f64>,
+    pub gaps: CapacityVec<f64>,
     /// Wishes of all rows for the pseudo-velocity that undoes overlaps.
-    pub wishes: Room<Wish>,
+    pub wishes: CapacityVec<PushTarget>,
     /// This pseudo-velocity: positions move by it, besides the velocities \[m/s\].
     pub push: Vec<Vec3>,
     /// True when this step has one.
@@ -349,17 +349,17 @@ impl Scratch {
             step1_mass: vec![0.0; nodes],
             shares: Vec::with_capacity(model.coupling.offsets.sample_count()),
             cg: CgWorkspace::new(rows),
-            limits: Room::default(),
-            found: Room::default(),
+            limits: CapacityVec::default(),
+            found: CapacityVec::default(),
             sides: SeenSides::with_capacity(sides_max),
             rows: ContactRows::with_capacity(rigids, 0),
             anticipation: Anticipation::new(rigids, nodes),
-            contacts: Room::default(),
-            areas: Room::with_capacity(contacts_max),
-            chosen: Room::with_capacity(contacts_max + limits::rows_max(model)),
+            contacts: CapacityVec::default(),
+            areas: CapacityVec::with_capacity(contacts_max),
+            chosen: CapacityVec::with_capacity(contacts_max + limits::rows_max(model)),
             depths: vec![0.0; rigids + model.soft_nodes.len()],
-            gaps: Room::with_capacity(contacts_max + limits::rows_max(model)),
-            wishes: Room::with_capacity(contacts_max + limits::rows_max(model)),
+            gaps: CapacityVec::with_capacity(contacts_max + limits::rows_max(model)),
+            wishes: CapacityVec::with_capacity(contacts_max + limits::rows_max(model)),
             push: Vec::new(),
             pushes: false,
             straight: vec![Vec3::zeros(); state.x.len()],

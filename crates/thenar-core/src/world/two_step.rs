@@ -73,8 +73,8 @@ impl Scheme for TwoStep {
             close_joints(model, state, h, scratch)?;
         }
         if self.stands_in {
-            calm(model, state, scratch);
-            response::shorten(model, h, state, scratch);
+            limit_energy(model, state, scratch);
+            response::scale_impulses(model, h, state, scratch);
             if self.settings.limits == JointLimits::Rows {
                 limits::keep_spring_impulses(model, state, h, scratch);
             }
@@ -181,7 +181,7 @@ fn close_joints(
         let s = h * h * model.coupling.stiffness[k] + h * model.coupling.damping[k];
         if mass.is_finite() {
             let target = skin_target(bound, &state.poses_WB, &posed);
-            for j in 0..bound.carriers() {
+            for j in 0..bound.bone_count() {
                 let [lin, ang] = unstack(&scratch.dv[bound.bones[j] as usize]);
                 let moved = lin * bound.weights[j] + target.turning.velocity(j, &ang);
                 state.v[row0 + bound.node as usize] += moved * (s / (mass + s));
@@ -332,14 +332,15 @@ fn anticipation_settings(settings: &SolverSettings) -> AnticipationSettings {
 }
 
 /// Shortens the velocities of each island so that the step brings in no energy, as
-/// `Monolithic::calm` does; joint impulses, which do no work where joints hold, are left out.
-fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
+/// `Monolithic::limit_energy` does; joint impulses, which do no work where joints hold, are left
+/// out.
+fn limit_energy(model: &Model, state: &mut State, scratch: &mut Scratch) {
     let bones = scratch.b_kept.len();
     scratch.b[..bones].copy_from_slice(&scratch.b_kept);
     let Scratch { A, b, cg, islands, rows, .. } = scratch;
     islands.begin(rows);
     weigh_energy(A, b, &model.known, &state.v, cg, islands);
-    islands.shorten(&model.known, &mut state.v);
+    islands.scale(&model.known, &mut state.v);
 }
 
 /// Known velocities do not respond: their rows and columns of D⁻¹ are zero.

@@ -77,9 +77,9 @@ type Check = Result<(), Invalid>;
 
 /// The number of a thing, of which quantities are checked.
 #[derive(Clone, Copy)]
-struct Of(&'static str, usize);
+struct Subject(&'static str, usize);
 
-impl Of {
+impl Subject {
     fn number(
         self,
         what: &'static str,
@@ -125,7 +125,7 @@ fn finite<'a>(
     vectors: impl IntoIterator<Item = &'a Vec3>,
 ) -> Check {
     let mut all = vectors.into_iter().enumerate();
-    all.try_for_each(|(i, v)| Of(thing, i).finite(what, v.as_slice()))
+    all.try_for_each(|(i, v)| Subject(thing, i).finite(what, v.as_slice()))
 }
 
 impl World {
@@ -139,7 +139,7 @@ impl World {
     /// # Errors
     /// The first thing that does not hold.
     pub fn validate(&self) -> Result<(), Invalid> {
-        let world = Of("world", 0);
+        let world = Subject("world", 0);
         world.number("time step", "from 1e-12 to 10 s", self.time_step, is_time_step)?;
         self.state.validate(&self.model)?;
         self.contacts_are_valid()?;
@@ -161,7 +161,7 @@ impl World {
             let bound = row.friction * row.lambda.x * FRAC_1_SQRT_2 * (1.0 + BOUND_OFF);
             let largest = row.lambda.y.abs().max(row.lambda.z.abs());
             let expected = "within the square inscribed in Coulomb's disc";
-            Of("contact", i).number("friction [N s]", expected, largest, |t| t <= bound)
+            Subject("contact", i).number("friction [N s]", expected, largest, |t| t <= bound)
         })
     }
 
@@ -174,7 +174,7 @@ impl World {
         let Self { model, state, scratch, .. } = self;
         let before = &scratch.before;
         for (b, _) in model.rigids.iter().enumerate().filter(|(_, body)| !body.moves) {
-            let of = Of("led body", b);
+            let of = Subject("led body", b);
             let v = [state.v[2 * b], state.v[2 * b + 1]];
             if !done.taken_back {
                 let off =
@@ -196,7 +196,7 @@ impl World {
             let n = *node as usize;
             let off = (state.x[n] - before.x[n]).abs();
             let off = (0..3).filter(|k| axes[*k]).map(|k| off[k]).fold(0.0, f64::max);
-            Of("held node", n).number("way along held axes [m]", "none", off, |off| off == 0.0)
+            Subject("held node", n).number("way along held axes [m]", "none", off, |off| off == 0.0)
         })
     }
 
@@ -208,14 +208,14 @@ impl World {
             readout.rows.rows.len()
         })?;
         contacts.iter().enumerate().try_for_each(|(i, contact)| {
-            contact_is_valid(Of("contact", i), contact)?;
-            sides_exist(Of("contact", i), contact, model)
+            contact_is_valid(Subject("contact", i), contact)?;
+            sides_exist(Subject("contact", i), contact, model)
         })?;
         let rows = readout.rows.rows.iter().zip(contacts).enumerate();
         rows.into_iter().try_for_each(|(i, (row, _))| {
             let expected = "opposite to that on A, in sum of weights";
             let sum = self.sum_of_weights(row);
-            Of("contact", i).number("force on B", expected, sum, |sum| sum.abs() <= PAIR_OFF)
+            Subject("contact", i).number("force on B", expected, sum, |sum| sum.abs() <= PAIR_OFF)
         })
     }
 
@@ -235,7 +235,7 @@ impl World {
         }
         let rows = &readout.rows.rows[readout.contacts.len()..];
         readout.limits.iter().zip(rows).enumerate().try_for_each(|(i, (limit, row))| {
-            let of = Of("limit", i);
+            let of = Subject("limit", i);
             of.index("joint", "one of the world's", limit.joint, model.joints.len())?;
             of.not_negative("impulse away from its bound [N s]", row.lambda.x)
         })
@@ -249,7 +249,7 @@ fn led(from: &Pose, [velocity_W, spin_W]: [Vec3; 2], h: f64) -> Pose {
     Pose::new(from.position + velocity_W * h, rotation)
 }
 
-fn contact_is_valid(of: Of, contact: &ContactPoint) -> Check {
+fn contact_is_valid(of: Subject, contact: &ContactPoint) -> Check {
     of.finite("position [m]", contact.position_W.as_slice())?;
     let length = contact.normal_W.norm();
     of.number("length of the normal", "1", length, |x| (x - 1.0).abs() <= NORMAL_OFF)?;
@@ -267,7 +267,7 @@ fn contact_is_valid(of: Of, contact: &ContactPoint) -> Check {
 }
 
 /// Bodies and vertices of a contact are some of the model's.
-fn sides_exist(of: Of, contact: &ContactPoint, model: &Model) -> Check {
+fn sides_exist(of: Subject, contact: &ContactPoint, model: &Model) -> Check {
     for (body, vertex) in contact.bodies.iter().zip(contact.vertices) {
         match (*body, vertex) {
             (BodyId::Rigid(b), None) => {
@@ -307,7 +307,7 @@ impl State {
         model.held.iter().try_for_each(|(node, axes)| {
             let v = &self.v[row0 + *node as usize];
             let speed = (0..3).filter(|k| axes[*k]).map(|k| v[k].abs()).fold(0.0, f64::max);
-            let of = Of("held node", *node as usize);
+            let of = Subject("held node", *node as usize);
             of.number("speed along held axes [m/s]", "0", speed, |speed| speed == 0.0)
         })?;
         if !self.impulses.is_sorted_by_key(|(key, _)| *key) {
@@ -330,20 +330,20 @@ impl State {
 
     /// Looks at places and velocities.
     fn is_somewhere(&self) -> Check {
-        Of("world", 0).finite("time [s]", &[self.time])?;
+        Subject("world", 0).finite("time [s]", &[self.time])?;
         for (b, pose) in self.poses_WB.iter().enumerate() {
-            let (of, x) = (Of("rigid body", b), &pose.position);
+            let (of, x) = (Subject("rigid body", b), &pose.position);
             of.number("position [m]", WITHIN, largest(x), |_| is_sound_position(x))?;
             let length = pose.rotation.coords.norm();
             of.number("length of the rotation", "1", length, |_| is_turn(&pose.rotation))?;
         }
         for (n, x) in self.x.iter().enumerate() {
             let sound = |_| is_sound_position(x);
-            Of("node", n).number("position [m]", WITHIN, largest(x), sound)?;
+            Subject("node", n).number("position [m]", WITHIN, largest(x), sound)?;
         }
         for (row, v) in self.v.iter().enumerate() {
             let sound = |_| is_sound_velocity(v);
-            Of("block row", row).number("velocity [m/s, rad/s]", WITHIN, largest(v), sound)?;
+            Subject("block row", row).number("velocity [m/s, rad/s]", WITHIN, largest(v), sound)?;
         }
         Ok(())
     }
@@ -353,19 +353,19 @@ impl State {
         finite("block row", "velocity by contact [m/s]", &self.contact_change)?;
         finite("remembered contact", "impulse [N s]", self.impulses.iter().map(|(_, p)| p))?;
         for (j, impulses) in self.limit_impulses.iter().enumerate() {
-            Of("joint", j).finite("impulse of limits [N m s]", impulses)?;
+            Subject("joint", j).finite("impulse of limits [N m s]", impulses)?;
         }
         for (i, (_, load)) in self.patch_loads.iter().enumerate() {
-            Of("patch", i).not_negative("load [N]", *load)?;
+            Subject("patch", i).not_negative("load [N]", *load)?;
         }
         for (i, faded) in self.faded.iter().enumerate() {
-            Of("element with memory", i).finite("faded stress", faded)?;
+            Subject("element with memory", i).finite("faded stress", faded)?;
         }
         let sides = self.sides.as_slice();
         finite("side", "normal", sides.iter().map(|side| &side.normal))?;
         finite("side", "place [m]", sides.iter().map(|side| &side.place))?;
         let bad = self.sides.places().iter().position(|place| !place.is_finite());
-        bad.map_or(Ok(()), |i| Of("held place", i).finite("weights", &[f64::NAN]))
+        bad.map_or(Ok(()), |i| Subject("held place", i).finite("weights", &[f64::NAN]))
     }
 }
 

@@ -9,7 +9,7 @@ mod time;
 mod trackers;
 
 use crate::script::{Script, log};
-use crate::session::{Instance, Told, known, violation};
+use crate::session::{Instance, RuntimeEvent, known, violation};
 use openxr_sys as xr;
 use sessions::{
     begin_session, create_session, create_space, destroy_session, destroy_space, end_session,
@@ -25,10 +25,10 @@ const SYSTEM: u64 = 7;
 const EXTENSIONS: [&str; 3] =
     ["XR_EXT_hand_tracking", "XR_MND_headless", "XR_KHR_convert_timespec_time"];
 
-type Done = Result<(), XrResult>;
+type CallResult = Result<(), XrResult>;
 
 /// Runs a function's body, unless the script lets it fail.
-fn call(name: &str, body: impl FnOnce(&Script) -> Done) -> XrResult {
+fn call(name: &str, body: impl FnOnce(&Script) -> CallResult) -> XrResult {
     let script = Script::read();
     if let Some((_, code)) = script.fails.iter().find(|(failing, _)| failing == name) {
         return XrResult::from_raw(*code);
@@ -301,7 +301,7 @@ unsafe extern "system" fn poll_event(
         let session = instance.session.as_ref().map_or(0, |session| session.handle);
         let next = std::ptr::null();
         match instance.told.pop_front() {
-            Some(Told::State(state)) => {
+            Some(RuntimeEvent::State(state)) => {
                 let told = xr::EventDataSessionStateChanged {
                     ty: xr::EventDataSessionStateChanged::TYPE,
                     next,
@@ -312,7 +312,7 @@ unsafe extern "system" fn poll_event(
                 // SAFETY: the buffer is larger than any event, and as much aligned.
                 unsafe { event.cast::<xr::EventDataSessionStateChanged>().write(told) };
             }
-            Some(Told::InstanceLoss) => {
+            Some(RuntimeEvent::InstanceLoss) => {
                 let told = xr::EventDataInstanceLossPending {
                     ty: xr::EventDataInstanceLossPending::TYPE,
                     next,

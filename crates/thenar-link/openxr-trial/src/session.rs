@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Event that `xrPollEvent` gives.
 #[derive(Clone, Copy, Debug)]
-pub enum Told {
+pub enum RuntimeEvent {
     /// The session's new state.
     State(SessionState),
     /// The instance goes away.
@@ -20,7 +20,7 @@ pub struct Instance {
     pub handle: u64,
     pub extensions: Vec<String>,
     pub session: Option<Session>,
-    pub told: VecDeque<Told>,
+    pub told: VecDeque<RuntimeEvent>,
     /// The instance's loss was told.
     pub lost: bool,
 }
@@ -39,12 +39,12 @@ pub struct Session {
 
 /// Everything that the runtime has handed out.
 #[derive(Debug, Default)]
-pub struct Known {
+pub struct RuntimeHandles {
     last_handle: u64,
     pub instance: Option<Instance>,
 }
 
-impl Known {
+impl RuntimeHandles {
     /// A handle that was never given before.
     pub fn handle(&mut self) -> u64 {
         self.last_handle += 1;
@@ -70,8 +70,9 @@ impl Known {
 }
 
 /// The one of this process.
-pub fn known() -> MutexGuard<'static, Known> {
-    static KNOWN: Mutex<Known> = Mutex::new(Known { last_handle: 0, instance: None });
+pub fn known() -> MutexGuard<'static, RuntimeHandles> {
+    static KNOWN: Mutex<RuntimeHandles> =
+        Mutex::new(RuntimeHandles { last_handle: 0, instance: None });
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -82,14 +83,14 @@ impl Instance {
             if let Some(session) = &mut self.session {
                 session.state = *state;
             }
-            self.told.push_back(Told::State(*state));
+            self.told.push_back(RuntimeEvent::State(*state));
         }
     }
 
     /// Follows the script, one transition at a time as the specification allows them.
     pub fn follow(&mut self, script: &Script) {
         if script.session == "lose_instance" && !std::mem::replace(&mut self.lost, true) {
-            self.told.push_back(Told::InstanceLoss);
+            self.told.push_back(RuntimeEvent::InstanceLoss);
         }
         let Some(session) = &self.session else { return };
         let wish = script.session.as_str();

@@ -1,6 +1,6 @@
 //! Driver that reaches the player.
 
-use super::{Bhaptics, Feel, PATH, PORT};
+use super::{Bhaptics, IntensityMap, PATH, PORT};
 use crate::transport::{WebSocketTransport, websocket};
 use crate::worker::{Device, DisplayTraits};
 use crate::{Driver, FoundDevice, LinkError, Opened, Rendering};
@@ -29,7 +29,7 @@ impl Driver for BhapticsDriver {
             what: format!("device `bhaptics:{address}`"),
             cause: "expected nothing or HOST:PORT".into(),
         })?;
-        let feel = Feel::default();
+        let feel = IntensityMap::default();
         // Intensities come from forces; the player answers when it likes, which is no silence.
         let limits = Limits {
             user_fraction: 1.0,

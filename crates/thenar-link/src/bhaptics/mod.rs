@@ -28,7 +28,7 @@ const INTENSITY_MAX: f64 = 100.0;
 
 /// Map from pads' readings to intensities: linear in force and in slip, together at most 100.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Feel {
+pub struct IntensityMap {
     /// Pad force below which nothing is felt \[N\].
     pub force_min: f64,
     /// Pad force of the largest intensity from force \[N\].
@@ -41,7 +41,7 @@ pub struct Feel {
     pub slip_share: f64,
 }
 
-impl Default for Feel {
+impl Default for IntensityMap {
     fn default() -> Self {
         Self {
             force_min: 0.05,
@@ -53,7 +53,7 @@ impl Default for Feel {
     }
 }
 
-impl Feel {
+impl IntensityMap {
     /// Intensity for one finger, 0 to 100. Numbers that are none give nothing.
     pub fn intensity(&self, digit: &DigitOutput) -> u8 {
         let part = |value: f64, full: f64| {
@@ -85,7 +85,7 @@ struct Glove {
 /// The protocol.
 #[derive(Clone, Debug, Default)]
 pub struct Bhaptics {
-    feel: Feel,
+    feel: IntensityMap,
     /// Left, right.
     gloves: [Glove; 2],
     /// Connected gloves, by the player's last status.
@@ -101,7 +101,7 @@ struct Status {
 
 impl Bhaptics {
     /// With this feel.
-    pub fn new(feel: Feel) -> Self {
+    pub fn new(feel: IntensityMap) -> Self {
         Self { feel, ..Self::default() }
     }
 }

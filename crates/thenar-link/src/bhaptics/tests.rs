@@ -41,7 +41,7 @@ fn a_frame_is_what_the_player_takes() {
 
 #[test]
 fn intensity_grows_with_force_and_slip() {
-    let feel = Feel::default();
+    let feel = IntensityMap::default();
     let of = |force: f64, slip_speed: f64| {
         feel.intensity(&DigitOutput { pad_force: force, slip_speed, ..Default::default() })
     };

@@ -5,7 +5,7 @@
 //! looks like the first record of a stream may be noise: it waits until another follows it.
 
 use super::profile::Profile;
-use super::{Speech, sample};
+use super::{Handshake, sample};
 use crate::{Event, HandOutput, Protocol};
 use std::sync::Arc;
 
@@ -22,14 +22,14 @@ pub struct Classic {
     too_long: bool,
     /// Candidate for the stream's first record, and the number of bytes since.
     first: Option<(Event, usize)>,
-    speech: Speech,
+    handshake: Handshake,
 }
 
 impl Classic {
     /// A conversation that has not begun.
     pub fn new(profile: Arc<Profile>) -> Self {
-        let speech = Speech::new(&START);
-        Self { profile, record: Vec::with_capacity(64), too_long: false, first: None, speech }
+        let handshake = Handshake::new(&START);
+        Self { profile, record: Vec::with_capacity(64), too_long: false, first: None, handshake }
     }
 
     /// A zero came.
@@ -47,14 +47,14 @@ impl Classic {
                 let sample = sample(&self.profile, now_ns, &scaled[..sensors]);
                 match self.first.take() {
                     Some((first, since)) if since == sensors + 2 => event(first),
-                    _ if !self.speech.streams() => {
+                    _ if !self.handshake.streams() => {
                         self.first = Some((sample, 0));
                         self.clear(bytes);
                         return;
                     }
                     _ => {}
                 }
-                self.speech.heard(now_ns);
+                self.handshake.heard(now_ns);
                 event(sample);
             }
             [b'S', values @ ..] if [18, 22].contains(&values.len()) && !too_long => {
@@ -81,7 +81,7 @@ impl Protocol for Classic {
     fn start(&mut self, now_ns: u64, _: &mut dyn FnMut(&[u8])) {
         self.record.clear();
         (self.too_long, self.first) = (false, None);
-        self.speech.begin(now_ns);
+        self.handshake.begin(now_ns);
     }
 
     fn receive(
@@ -98,7 +98,7 @@ impl Protocol for Classic {
             match byte {
                 0 => self.finish(now_ns, event),
                 // Before the first record the glove echoes our commands.
-                byte if !self.speech.streams() => {
+                byte if !self.handshake.streams() => {
                     if self.record.len() > self.profile.glove.sensors {
                         self.record.remove(0);
                     }
@@ -117,7 +117,7 @@ impl Protocol for Classic {
         _: &mut dyn FnMut(Event),
         send: &mut dyn FnMut(&[u8]),
     ) {
-        self.speech.tick(now_ns, send);
+        self.handshake.tick(now_ns, send);
     }
 
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {

@@ -2,16 +2,16 @@
 
 mod calibrate;
 mod classic;
+mod handshake;
 mod profile;
 mod sensors;
-mod speech;
 mod third;
 mod twin;
 
 pub use classic::Classic;
+use handshake::Handshake;
 pub use profile::{Glove, Profile, SHIPPED, SHIPPED_3, Sensor};
 pub use sensors::{NAMES, SENSORS};
-use speech::Speech;
 pub use third::{PACKET, Third};
 pub use twin::{ClassicTwin, ThirdTwin};
 

@@ -6,7 +6,7 @@
 //! ```
 
 use super::profile::Profile;
-use super::{SENSORS, Speech, sample};
+use super::{Handshake, SENSORS, sample};
 use crate::{Event, HandOutput, Protocol};
 use std::sync::Arc;
 
@@ -29,19 +29,19 @@ pub struct Third {
     in_step: bool,
     /// Time of the last loss of the beginning \[ns\].
     lost_ns: Option<u64>,
-    speech: Speech,
+    handshake: Handshake,
 }
 
 impl Third {
     /// A conversation that has not begun.
     pub fn new(profile: Arc<Profile>) -> Self {
-        let speech = Speech::new(&START);
+        let handshake = Handshake::new(&START);
         Self {
             profile,
             bytes: Vec::with_capacity(2 * PACKET),
             in_step: false,
             lost_ns: None,
-            speech,
+            handshake,
         }
     }
 
@@ -50,7 +50,7 @@ impl Third {
         while self.bytes.len() >= PACKET {
             if is_time(&self.bytes) && self.is_whole() {
                 self.in_step = true;
-                self.speech.heard(now_ns);
+                self.handshake.heard(now_ns);
                 event(self.read(now_ns));
                 self.bytes.drain(..PACKET);
                 continue;
@@ -62,7 +62,7 @@ impl Third {
                     event(Event::Note("the stream keeps breaking; it is started anew".into()));
                     send(b"\x03");
                     self.lost_ns = None;
-                    self.speech.begin(now_ns);
+                    self.handshake.begin(now_ns);
                 }
             }
             let begins = (1..=self.bytes.len() - TIME).find(|at| is_time(&self.bytes[*at..]));
@@ -111,7 +111,7 @@ impl Protocol for Third {
         self.bytes.clear();
         (self.in_step, self.lost_ns) = (false, None);
         // A glove that streams already is not started again.
-        self.speech.listen(now_ns);
+        self.handshake.listen(now_ns);
     }
 
     fn receive(
@@ -134,7 +134,7 @@ impl Protocol for Third {
         _: &mut dyn FnMut(Event),
         send: &mut dyn FnMut(&[u8]),
     ) {
-        self.speech.tick(now_ns, send);
+        self.handshake.tick(now_ns, send);
     }
 
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {

@@ -13,7 +13,7 @@ pub use driver::HandTrackingStreamerDriver;
 pub use line::{Body, Line};
 
 use crate::joints::{POINTS, rebuild};
-use crate::lines::{Lines, Shown};
+use crate::lines::{LineResult, Lines};
 use crate::{Event, HandSample, Protocol};
 use thenar_core::{Pose, Vec3};
 use thenar_track::source_clock::SourceClock;
@@ -44,7 +44,7 @@ pub enum Points {
 
 /// A part of a hand, waiting for the other.
 #[derive(Clone, Debug)]
-struct Part<T> {
+struct PendingPart<T> {
     value: T,
     frame: Option<i64>,
     time: Option<i64>,
@@ -54,8 +54,8 @@ struct Part<T> {
 /// Lines of one hand that have come.
 #[derive(Clone, Debug, Default)]
 struct StreamedHand {
-    wrist: Option<Part<Pose>>,
-    points: Option<Part<[Vec3; POINTS]>>,
+    wrist: Option<PendingPart<Pose>>,
+    points: Option<PendingPart<[Vec3; POINTS]>>,
 }
 
 /// The protocol.
@@ -98,7 +98,7 @@ impl Protocol for HandTrackingStreamer {
         _: &mut dyn FnMut(&[u8]),
     ) {
         let Self { datagrams, points, lines, clock, hands } = self;
-        let mut show = |line: Shown| {
+        let mut show = |line: LineResult| {
             let read = line.map_err(|e| e.to_string()).and_then(Line::read);
             match read {
                 Ok(line) => hear(*points, clock, hands, now_ns, line, event),
@@ -123,12 +123,12 @@ fn hear(
         // It lives, though it may not see a hand.
         Body::Head => return event(Event::Alive),
         Body::Wrist(side, value) => {
-            let part = Part { value, frame, time, heard_ns: now_ns };
+            let part = PendingPart { value, frame, time, heard_ns: now_ns };
             hands[side as usize].wrist = Some(part);
             (side, false)
         }
         Body::Points(side, value) => {
-            let part = Part { value, frame, time, heard_ns: now_ns };
+            let part = PendingPart { value, frame, time, heard_ns: now_ns };
             hands[side as usize].points = Some(part);
             (side, true)
         }
@@ -168,7 +168,7 @@ fn hear(
 }
 
 /// True if two lines are of one frame.
-fn together<A, B>(a: &Part<A>, b: &Part<B>) -> bool {
+fn together<A, B>(a: &PendingPart<A>, b: &PendingPart<B>) -> bool {
     match (a.frame, b.frame) {
         (Some(a), Some(b)) => a == b,
         _ => a.heard_ns.abs_diff(b.heard_ns) <= TOGETHER_NS,

@@ -15,14 +15,14 @@ use std::time::{Duration, Instant};
 const ENDING: Duration = Duration::from_millis(50);
 
 /// A keeper at work, as the program sees it. Dropping it kills the keeper.
-pub struct Keeping {
+pub struct KeeperProcess {
     /// The keeper's process; `None` once it is left to end.
     keeper: Option<Child>,
     line: UnixStream,
     beat_ns: Option<u64>,
 }
 
-impl Keeping {
+impl KeeperProcess {
     /// Starts a keeper of the device behind `handle`, if the program says how.
     ///
     /// # Errors
@@ -83,7 +83,7 @@ impl Keeping {
     }
 }
 
-impl Keeping {
+impl KeeperProcess {
     /// Ends the keeper: at once where the device is `free`; else it releases the device for its
     /// second. Waits for nothing.
     pub fn end(mut self, free: bool) {
@@ -114,7 +114,7 @@ impl Keeping {
     }
 }
 
-impl Drop for Keeping {
+impl Drop for KeeperProcess {
     fn drop(&mut self) {
         self.leave(Duration::ZERO);
     }

@@ -17,7 +17,7 @@
 //! Programs that open devices say once how a keeper is started ([`use_program`]), and call `run`
 //! when they are started so.
 
-mod watch;
+mod state;
 
 #[cfg(unix)]
 mod line;
@@ -25,10 +25,10 @@ mod line;
 mod process;
 
 #[cfg(unix)]
-pub(crate) use line::Keeping;
+pub(crate) use line::KeeperProcess;
 #[cfg(unix)]
 pub use process::run;
-pub use watch::{AGAIN_NS, BEAT_NS, GONE_NS, KeeperTurn, SILENCE_NS, Watch};
+pub use state::{AGAIN_NS, BEAT_NS, GONE_NS, KeeperActions, KeeperState, SILENCE_NS};
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -1,8 +1,8 @@
 //! Work of the keeper's process.
 
-use super::{KeeperTurn, Watch};
+use super::{KeeperActions, KeeperState};
 use crate::now_ns;
-use crate::realtime::{Urgency, lock_memory, raise_priority, touch_stack};
+use crate::realtime::{PriorityClass, lock_memory, raise_priority, touch_stack};
 use crate::transport::read_within;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
@@ -17,7 +17,7 @@ use std::time::Duration;
 /// Standard input is not such a line: somebody else has started this.
 pub fn run() -> io::Result<()> {
     // What the system refuses the program has reported.
-    let _ = raise_priority(Urgency::Keeper);
+    let _ = raise_priority(PriorityClass::Keeper);
     touch_stack();
     let _ = lock_memory();
     // A name of its own: what is done to all processes of the program's name is not done to it.
@@ -33,7 +33,7 @@ pub fn run() -> io::Result<()> {
 /// Until there is nothing left to do.
 fn keep(line: &mut UnixStream, device: &mut impl Write) -> io::Result<()> {
     let (mut watch, mut release, mut messages) =
-        (Watch::default(), Vec::new(), Messages::default());
+        (KeeperState::default(), Vec::new(), Messages::default());
     let mut wait_ns = 0;
     let mut gone = false;
     loop {
@@ -60,7 +60,7 @@ fn keep(line: &mut UnixStream, device: &mut impl Write) -> io::Result<()> {
                 watch.gone(now_ns());
             }
         }
-        let KeeperTurn { release: due, tell, end, wait_ns: next } = watch.turn(now_ns());
+        let KeeperActions { release: due, tell, end, wait_ns: next } = watch.turn(now_ns());
         if end {
             return Ok(());
         }

@@ -1,7 +1,7 @@
 //! Lag of one tracker behind another that sees the same motion.
 
 use super::moving::{STEP, reach, speeds};
-use super::{ComparedPart, Doubt, MeasuredDelay, Trace, trusted};
+use super::{ComparedPart, LatencyError, MeasuredDelay, Trace, trusted};
 
 /// Lags that are looked at \[s\]: a device may be earlier than its reference, and webcams are late
 /// by a fifth of a second.
@@ -78,21 +78,21 @@ type Event = Vec<Sums>;
 ///
 /// # Errors
 /// The motion is too little, too regular or not the same, or its parts contradict each other.
-pub fn lag(device: &Trace, reference: &Trace, part: ComparedPart) -> Result<Lag, Doubt> {
+pub fn lag(device: &Trace, reference: &Trace, part: ComparedPart) -> Result<Lag, LatencyError> {
     let events = events(device, reference, part);
     if events.len() < EVENTS {
         let what = "seconds of motion that both trackers see";
-        return Err(Doubt::TooFew { what, count: events.len(), wanted: EVENTS });
+        return Err(LatencyError::TooFew { what, count: events.len(), wanted: EVENTS });
     }
     let all = sum(&events);
     let curve: Vec<f64> = all.iter().map(Sums::correlation).collect();
     let best = (0..curve.len()).max_by(|i, j| curve[*i].total_cmp(&curve[*j])).unwrap_or(0);
     let correlation = curve[best];
     if correlation < ALIKE {
-        return Err(Doubt::Unlike { correlation });
+        return Err(LatencyError::Unlike { correlation });
     }
     if best == 0 || best + 1 == curve.len() {
-        return Err(Doubt::OutOfRange { from: FROM, to: TO });
+        return Err(LatencyError::OutOfRange { from: FROM, to: TO });
     }
     let peaks = 1..curve.len() - 1;
     let other = peaks
@@ -100,7 +100,7 @@ pub fn lag(device: &Trace, reference: &Trace, part: ComparedPart) -> Result<Lag,
         .filter(|k| k.abs_diff(best) as f64 * STEP > APART)
         .find(|k| curve[*k] > AS_GOOD * correlation);
     if let Some(other) = other {
-        return Err(Doubt::Ambiguous { best: lag_of(best), other: lag_of(other) });
+        return Err(LatencyError::Ambiguous { best: lag_of(best), other: lag_of(other) });
     }
     let (first, second) = events.split_at(events.len() / 2);
     let halves = [jackknife(first, best), jackknife(second, best)];
@@ -194,30 +194,35 @@ fn events(device: &Trace, reference: &Trace, part: ComparedPart) -> Vec<Event> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{Fake, Moment, still, wander};
+    use super::super::trial::{Moment, SimulatedTracker, still, wander};
     use super::*;
 
     fn pair(
-        device: Fake,
-        reference: Fake,
+        device: SimulatedTracker,
+        reference: SimulatedTracker,
         seconds: f64,
         motion: &dyn Fn(f64) -> Moment,
     ) -> [Trace; 2] {
         [device.watch(11, seconds, motion), reference.watch(12, seconds, motion)]
     }
 
-    const GLOVE: Fake = Fake { rate: 100.0, latency: 0.01, noise: 1e-4, lost: 0.0, jitter: 5e-4 };
-    const HEADSET: Fake =
-        Fake { rate: 90.0, latency: 0.045, noise: 1e-3, lost: 0.02, jitter: 2e-3 };
+    const GLOVE: SimulatedTracker =
+        SimulatedTracker { rate: 100.0, latency: 0.01, noise: 1e-4, lost: 0.0, jitter: 5e-4 };
+    const HEADSET: SimulatedTracker =
+        SimulatedTracker { rate: 90.0, latency: 0.045, noise: 1e-3, lost: 0.02, jitter: 2e-3 };
 
     /// Devices whose delay, rate and noise are known: the difference of the delays is found to 2
     /// ms, or within three of its stated errors, and the stated error is worth something.
     #[test]
     fn the_lag_between_two_trackers_is_found() {
-        let slow = Fake { rate: 30.0, latency: 0.1, noise: 2e-3, lost: 0.05, jitter: 4e-3 };
-        let quick = Fake { rate: 1000.0, latency: 0.002, noise: 2e-5, lost: 0.0, jitter: 2e-4 };
-        let late = Fake { rate: 60.0, latency: 0.25, noise: 1e-3, lost: 0.0, jitter: 1e-3 };
-        let at_once = Fake { rate: 120.0, latency: 0.0, noise: 5e-4, lost: 0.0, jitter: 0.0 };
+        let slow =
+            SimulatedTracker { rate: 30.0, latency: 0.1, noise: 2e-3, lost: 0.05, jitter: 4e-3 };
+        let quick =
+            SimulatedTracker { rate: 1000.0, latency: 0.002, noise: 2e-5, lost: 0.0, jitter: 2e-4 };
+        let late =
+            SimulatedTracker { rate: 60.0, latency: 0.25, noise: 1e-3, lost: 0.0, jitter: 1e-3 };
+        let at_once =
+            SimulatedTracker { rate: 120.0, latency: 0.0, noise: 5e-4, lost: 0.0, jitter: 0.0 };
         for part in [ComparedPart::Fingers, ComparedPart::Wrist] {
             for (device, reference) in [
                 (HEADSET, GLOVE),
@@ -268,30 +273,36 @@ mod tests {
     fn too_little_and_contradictory_motion_is_refused() {
         let [seen, by] = pair(HEADSET, GLOVE, 6.0, &wander);
         let told = lag(&seen, &by, ComparedPart::Fingers).unwrap_err();
-        assert!(matches!(told, Doubt::TooFew { wanted: 8, .. }), "{told}");
+        assert!(matches!(told, LatencyError::TooFew { wanted: 8, .. }), "{told}");
         let [seen, by] = pair(HEADSET, GLOVE, 20.0, &still(1e-3, 3.0));
         assert!(matches!(
             lag(&seen, &by, ComparedPart::Fingers),
-            Err(Doubt::TooFew { count: 0, .. })
+            Err(LatencyError::TooFew { count: 0, .. })
         ));
         assert!(matches!(
             lag(&Trace::default(), &by, ComparedPart::Wrist),
-            Err(Doubt::TooFew { .. })
+            Err(LatencyError::TooFew { .. })
         ));
         // Each its own motion.
         let by = GLOVE.watch(3, 20.0, &|t| wander(t + 531.7));
         let seen = HEADSET.watch(4, 20.0, &wander);
         let told = lag(&seen, &by, ComparedPart::Fingers).unwrap_err();
-        assert!(matches!(told, Doubt::Unlike { correlation } if correlation < 0.8), "{told}");
+        assert!(
+            matches!(told, LatencyError::Unlike { correlation } if correlation < 0.8),
+            "{told}"
+        );
         // As even as a metronome at 2.5 Hz.
         let even = |t: f64| Moment::bent(0.5 * (15.0 * t).sin());
         let [seen, by] = pair(HEADSET, GLOVE, 20.0, &even);
         let told = lag(&seen, &by, ComparedPart::Fingers).unwrap_err();
-        assert!(matches!(told, Doubt::Ambiguous { .. }), "{told}");
+        assert!(matches!(told, LatencyError::Ambiguous { .. }), "{told}");
         // A tracker that becomes later by 40 ms midway.
         let mut seen = HEADSET.watch(5, 20.0, &wander);
         seen.seen.iter_mut().filter(|s| s.arrived > 10.0).for_each(|s| s.arrived += 0.04);
         let told = lag(&seen, &GLOVE.watch(6, 20.0, &wander), ComparedPart::Fingers).unwrap_err();
-        assert!(matches!(told, Doubt::Halves { .. } | Doubt::Scatter { .. }), "{told}");
+        assert!(
+            matches!(told, LatencyError::Halves { .. } | LatencyError::Scatter { .. }),
+            "{told}"
+        );
     }
 }

@@ -10,7 +10,7 @@
 //! - [`stillness`]: the hand held still, for the noise.
 //!
 //! All of them refuse rather than guess: too few events, two trackers that see different motions,
-//! halves of a session that contradict each other ([`Doubt`]).
+//! halves of a session that contradict each other ([`LatencyError`]).
 
 mod lag;
 mod moving;
@@ -48,7 +48,7 @@ const HALVES_APART: f64 = 0.005;
 
 /// Why nothing was measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Doubt {
+pub enum LatencyError {
     /// Too little happened.
     #[error("too few {what}: {count}, expected {wanted} or more")]
     TooFew {
@@ -130,14 +130,14 @@ pub enum Doubt {
 }
 
 /// Refuses a mean that is uncertain or changes on the way.
-fn trusted(all: MeasuredDelay, halves: [MeasuredDelay; 2]) -> Result<MeasuredDelay, Doubt> {
+fn trusted(all: MeasuredDelay, halves: [MeasuredDelay; 2]) -> Result<MeasuredDelay, LatencyError> {
     if all.error.is_nan() || all.error > ERROR_MAX {
-        return Err(Doubt::Scatter { error: all.error });
+        return Err(LatencyError::Scatter { error: all.error });
     }
     let [first, second] = halves;
     let apart = (first.mean - second.mean).abs();
     if apart > HALVES_APART && apart > HALVES_ERRORS * first.error.hypot(second.error) {
-        return Err(Doubt::Halves { first: first.mean, second: second.mean });
+        return Err(LatencyError::Halves { first: first.mean, second: second.mean });
     }
     Ok(all)
 }
@@ -150,10 +150,13 @@ const DELAY_MAX: f64 = 0.5;
 /// # Errors
 /// It is negative beyond doubt, or more than half a second. One that is negative within its error
 /// is zero.
-pub fn possible(measured: MeasuredDelay, advice: &'static str) -> Result<MeasuredDelay, Doubt> {
+pub fn possible(
+    measured: MeasuredDelay,
+    advice: &'static str,
+) -> Result<MeasuredDelay, LatencyError> {
     let MeasuredDelay { mean, error, .. } = measured;
     if !(-3.0 * error..=DELAY_MAX).contains(&mean) {
-        return Err(Doubt::Impossible { delay: mean, advice });
+        return Err(LatencyError::Impossible { delay: mean, advice });
     }
     Ok(MeasuredDelay { mean: mean.max(0.0), ..measured })
 }

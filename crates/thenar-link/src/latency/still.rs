@@ -1,6 +1,6 @@
 //! The noise of a hand that is held still.
 
-use super::{Doubt, TraceSample};
+use super::{LatencyError, TraceSample};
 
 /// Noise is what remains without drift within windows of this length \[s\]: motion slower than some
 /// 2 Hz is the person's.
@@ -17,13 +17,13 @@ const STRAYS: f64 = 0.02;
 ///
 /// # Errors
 /// There are too few samples, or the hand moved.
-pub fn stillness(seen: &[TraceSample]) -> Result<f64, Doubt> {
+pub fn stillness(seen: &[TraceSample]) -> Result<f64, LatencyError> {
     for finger in 0..5 {
         for axis in 0..3 {
             let places = seen.iter().map(|s| s.tips[finger][axis]);
             let (least, most) = places.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
             if most - least > STRAYS {
-                return Err(Doubt::Moved { by: most - least });
+                return Err(LatencyError::Moved { by: most - least });
             }
         }
     }
@@ -35,7 +35,7 @@ pub fn stillness(seen: &[TraceSample]) -> Result<f64, Doubt> {
     .collect();
     if windows.len() < WINDOWS {
         let what = "half seconds with a hand held still";
-        return Err(Doubt::TooFew { what, count: windows.len(), wanted: WINDOWS });
+        return Err(LatencyError::TooFew { what, count: windows.len(), wanted: WINDOWS });
     }
     let worst = |finger: usize| -> f64 {
         let along = |axis: usize| {
@@ -63,7 +63,7 @@ fn off_line(points: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{Fake, still};
+    use super::super::trial::{SimulatedTracker, still};
     use super::*;
 
     /// White noise of a known size, at several rates, on a hand that sways by 1 mm in 5 s: found to
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn noise_is_found_beside_a_slow_sway() {
         for (rate, noise) in [(90.0, 1e-3), (100.0, 1e-4), (30.0, 2e-3), (1000.0, 3e-5)] {
-            let fake = Fake { rate, latency: 0.04, noise, lost: 0.05, jitter: 1e-3 };
+            let fake = SimulatedTracker { rate, latency: 0.04, noise, lost: 0.05, jitter: 1e-3 };
             let trace = fake.watch(3, 6.0, &still(1e-3, 5.0));
             let found = stillness(&trace.seen).unwrap();
             assert!((found / noise - 1.0).abs() < 0.1, "{rate} Hz {noise} m: {found} m");
@@ -80,11 +80,12 @@ mod tests {
 
     #[test]
     fn a_hand_that_moves_is_not_still() {
-        let fake = Fake { rate: 90.0, latency: 0.04, noise: 1e-3, lost: 0.0, jitter: 0.0 };
+        let fake =
+            SimulatedTracker { rate: 90.0, latency: 0.04, noise: 1e-3, lost: 0.0, jitter: 0.0 };
         let told = stillness(&fake.watch(3, 6.0, &still(0.03, 2.0)).seen).unwrap_err();
-        assert!(matches!(told, Doubt::Moved { by } if by > 0.03), "{told}");
+        assert!(matches!(told, LatencyError::Moved { by } if by > 0.03), "{told}");
         let told = stillness(&fake.watch(3, 1.2, &still(0.0, 1.0)).seen).unwrap_err();
-        assert!(matches!(told, Doubt::TooFew { count: 3, .. }), "{told}");
-        assert!(matches!(stillness(&[]).unwrap_err(), Doubt::TooFew { count: 0, .. }));
+        assert!(matches!(told, LatencyError::TooFew { count: 3, .. }), "{told}");
+        assert!(matches!(stillness(&[]).unwrap_err(), LatencyError::TooFew { count: 0, .. }));
     }
 }

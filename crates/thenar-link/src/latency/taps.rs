@@ -1,6 +1,6 @@
 //! Time from the report of a key to the stop of the finger on it, as a tracker sees it.
 
-use super::{Doubt, MeasuredDelay, Trace, TraceSample, trusted};
+use super::{LatencyError, MeasuredDelay, Trace, TraceSample, trusted};
 
 /// From a key that moves to its character in a program \[s\]: 15 to 60 ms were measured of
 /// keyboards up to their cable (Luu 2017), most about 30.
@@ -33,11 +33,11 @@ const STRAY: f64 = 5.7;
 ///
 /// # Errors
 /// There are too few taps, or they contradict each other.
-pub fn taps(trace: &Trace, finger: usize, keys: &[f64]) -> Result<MeasuredDelay, Doubt> {
+pub fn taps(trace: &Trace, finger: usize, keys: &[f64]) -> Result<MeasuredDelay, LatencyError> {
     let late: Vec<f64> = (keys.iter())
         .filter_map(|key| Some(stop(trace.between(key - BEFORE, key + AFTER), finger)? - key))
         .collect();
-    let too_few = |count| Doubt::TooFew { what: "taps", count, wanted: TAPS };
+    let too_few = |count| LatencyError::TooFew { what: "taps", count, wanted: TAPS };
     if late.len() < TAPS.min(keys.len()) || keys.len() < TAPS {
         return Err(too_few(late.len()));
     }
@@ -49,7 +49,7 @@ pub fn taps(trace: &Trace, finger: usize, keys: &[f64]) -> Result<MeasuredDelay,
     let odd = keys.len() - kept.len();
     if 3 * odd > keys.len() {
         let what = "keys came without a tap like the others";
-        return Err(Doubt::Odd { what, odd, count: keys.len() });
+        return Err(LatencyError::Odd { what, odd, count: keys.len() });
     }
     if kept.len() < TAPS {
         return Err(too_few(kept.len()));
@@ -101,7 +101,7 @@ fn stop(seen: &[TraceSample], finger: usize) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{Fake, Moment};
+    use super::super::trial::{Moment, SimulatedTracker};
     use super::*;
     use thenar_core::Vec3;
     use thenar_core::random::Random;
@@ -143,7 +143,7 @@ mod tests {
             (1000.0, 0.002, 1e-4),
             (120.0, 0.0, 2e-4),
         ] {
-            let fake = Fake { rate, latency, noise, lost: 0.02, jitter: 1e-3 };
+            let fake = SimulatedTracker { rate, latency, noise, lost: 0.02, jitter: 1e-3 };
             let downs = beat(25);
             let trace = fake.watch(7, 30.0, &tapping(downs.clone()));
             let MeasuredDelay { mean, error, events } = taps(&trace, 1, &downs).unwrap();
@@ -161,13 +161,17 @@ mod tests {
 
     #[test]
     fn taps_that_are_few_or_odd_are_refused() {
-        let fake = Fake { rate: 100.0, latency: 0.02, noise: 1e-4, lost: 0.0, jitter: 0.0 };
+        let fake =
+            SimulatedTracker { rate: 100.0, latency: 0.02, noise: 1e-4, lost: 0.0, jitter: 0.0 };
         let downs = beat(20);
         let trace = fake.watch(7, 25.0, &tapping(downs.clone()));
         let told = taps(&trace, 1, &downs[..6]).unwrap_err();
-        assert_eq!(told, Doubt::TooFew { what: "taps", count: 6, wanted: 10 });
+        assert_eq!(told, LatencyError::TooFew { what: "taps", count: 6, wanted: 10 });
         // Another finger pressed the keys.
-        assert!(matches!(taps(&trace, 2, &downs).unwrap_err(), Doubt::TooFew { count: 0, .. }));
+        assert!(matches!(
+            taps(&trace, 2, &downs).unwrap_err(),
+            LatencyError::TooFew { count: 0, .. }
+        ));
         // Every other key came at another time.
         let odd: Vec<f64> = downs
             .iter()
@@ -175,10 +179,10 @@ mod tests {
             .map(|(k, t)| t - if k % 2 == 0 { 0.0 } else { 0.06 + 0.004 * k as f64 })
             .collect();
         let told = taps(&trace, 1, &odd).unwrap_err();
-        assert!(matches!(told, Doubt::Odd { .. } | Doubt::Scatter { .. }), "{told}");
+        assert!(matches!(told, LatencyError::Odd { .. } | LatencyError::Scatter { .. }), "{told}");
         // The keyboard becomes later by 30 ms midway.
         let late: Vec<f64> = downs.iter().map(|t| t - if *t > 11.0 { 0.03 } else { 0.0 }).collect();
         let told = taps(&trace, 1, &late).unwrap_err();
-        assert!(matches!(told, Doubt::Halves { .. } | Doubt::Odd { .. }), "{told}");
+        assert!(matches!(told, LatencyError::Halves { .. } | LatencyError::Odd { .. }), "{told}");
     }
 }

@@ -21,7 +21,7 @@ impl Moment {
 
 /// A tracker.
 #[derive(Clone, Copy, Debug)]
-pub struct Fake {
+pub struct SimulatedTracker {
     /// Samples per second \[Hz\].
     pub rate: f64,
     /// From a motion to the arrival of its sample, on average \[s\].
@@ -39,7 +39,7 @@ fn normal(random: &mut Random) -> f64 {
     (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }
 
-impl Fake {
+impl SimulatedTracker {
     /// Trace that the tracker makes of a motion from 0 on.
     pub fn watch(&self, seed: u64, seconds: f64, motion: &dyn Fn(f64) -> Moment) -> Trace {
         let mut random = Random::new(seed);

@@ -185,14 +185,14 @@ fn stops_are_in_the_wearers_own_range() {
 /// held on, and stay so.
 #[test]
 fn a_keeper_frees_the_fingers_within_fifty_milliseconds() {
-    use crate::keeper::Watch;
+    use crate::keeper::KeeperState;
     for phase in 0..40 {
         let mut talk = Talk::new();
         // Stops that move keep lines on their way.
         talk.run(2.0 + 2.5e-4 * f64::from(phase), |k| Some(0.3 + 0.2 * (k as f64 * 1e-3).sin()));
         assert!(talk.glove.servos.iter().all(|servo| *servo > 0), "{phase}");
         let stopped_ns = talk.now_ns;
-        let (mut watch, mut free_ns) = (Watch::default(), None);
+        let (mut watch, mut free_ns) = (KeeperState::default(), None);
         watch.hear(stopped_ns);
         while talk.now_ns < stopped_ns + SECOND_NS {
             talk.now_ns += STEP_NS;

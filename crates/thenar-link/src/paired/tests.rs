@@ -101,7 +101,7 @@ fn clocks_that_jump_are_followed_and_times_never_step_back() {
         for (by, held) in [(DAY_NS, 0), (-DAY_NS, 50)] {
             for home in [300, u64::MAX] {
                 let (glove, base, mut paired) = pair(Pose::identity());
-                let mut messenger = paired.messenger();
+                let mut message_source = paired.message_source();
                 let mut last = 0;
                 for k in 1..=500u64 {
                     let now = 3 * DAY_NS as u64 + 10_000_000 * k;
@@ -122,7 +122,7 @@ fn clocks_that_jump_are_followed_and_times_never_step_back() {
                         last = time_ns;
                     }
                     let jumps = k == 100 + held || k == home;
-                    let told = messenger();
+                    let told = message_source();
                     let named = NAMES.map(|name| told.iter().any(|text| text.contains(name)));
                     assert_eq!(named, who.map(|who| who && jumps), "{k} {told:?}");
                 }

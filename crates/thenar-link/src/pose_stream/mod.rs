@@ -16,7 +16,7 @@ mod line;
 pub use driver::PoseStreamDriver;
 pub use line::{Line, Order, natural_order, write};
 
-use crate::lines::{Lines, Shown};
+use crate::lines::{LineResult, Lines};
 use crate::rate::Rate;
 use crate::{Event, HandSample, Protocol};
 use thenar_track::source_clock::SourceClock;
@@ -71,7 +71,7 @@ impl Protocol for PoseStream {
         _: &mut dyn FnMut(&[u8]),
     ) {
         let Self { messages, lines, order, clock, line_rate, byte_rate } = self;
-        let mut show = |line: Shown| {
+        let mut show = |line: LineResult| {
             let read = line.map_err(|e| e.to_string()).and_then(|bytes| {
                 // What is too much is not even looked at.
                 let length = bytes.len() as f64;

@@ -2,11 +2,12 @@
 //! how much softer.
 //!
 //! A small file for each person, `wearers/NAME.toml` beside the profiles of devices, with a table
-//! for each kind of device. It only ever takes away from what device and session allow ([`Worn`]).
+//! for each kind of device. It only ever takes away from what device and session allow
+//! ([`ComfortDisplay`]).
 
-mod worn;
+mod comfort_display;
 
-pub use worn::{Worn, worn};
+pub use comfort_display::{ComfortDisplay, limited_to_comfort};
 
 use crate::LinkError;
 use crate::profile::{read_table, save, settings_folder};

@@ -29,18 +29,18 @@ pub struct Door {
     /// Time when the bound hand last asked for anything \[ns\].
     bore_ns: u64,
     /// Left, right.
-    hands: [Passed; 2],
+    hands: [LastOutput; 2],
 }
 
 /// Outputs that passed for one hand.
 #[derive(Clone, Copy, Debug)]
-struct Passed {
+struct LastOutput {
     wanted: HandOutput,
     sent: HandOutput,
     at_ns: u64,
 }
 
-impl Passed {
+impl LastOutput {
     /// The hand holds nothing.
     fn release(&mut self, now_ns: u64) {
         let none = HandOutput::released(self.wanted.side, now_ns);
@@ -51,7 +51,7 @@ impl Passed {
 impl Door {
     /// Nothing has passed. Without limits nothing does.
     pub fn new(limits: Limits, torque_limits: Option<Limits>, one_hand: bool) -> Self {
-        let none = |side| Passed {
+        let none = |side| LastOutput {
             wanted: HandOutput::released(side, 0),
             sent: HandOutput::released(side, 0),
             at_ns: 0,

@@ -1,7 +1,9 @@
 //! Handles of a device for its callers.
 
 use super::{CLOSING, DisplayTraits, Shared, TrackerTraits};
-use crate::{ForceDisplay, HandOutput, HandSample, Lookout, Messenger, Rendering, Tracker};
+use crate::{
+    ForceDisplay, HandOutput, HandSample, MessageSource, PresenceCheck, Rendering, Tracker,
+};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
@@ -20,18 +22,18 @@ pub fn slot(side: Side) -> usize {
 }
 
 /// Ends the thread when nobody holds the device any more.
-pub struct Closer {
+pub struct WorkerHandle {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Closer {
+impl WorkerHandle {
     pub fn new(shared: Arc<Shared>, thread: JoinHandle<()>) -> Self {
         Self { shared, thread: Some(thread) }
     }
 }
 
-impl Drop for Closer {
+impl Drop for WorkerHandle {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Release);
         let Some(thread) = self.thread.take() else { return };
@@ -49,14 +51,14 @@ impl Drop for Closer {
 
 /// The tracker's side.
 pub struct DeviceTracker {
-    closer: Arc<Closer>,
+    closer: Arc<WorkerHandle>,
     samples: [Output<Option<HandSample>>; 2],
     traits: TrackerTraits,
 }
 
 impl DeviceTracker {
     pub fn boxed(
-        closer: Arc<Closer>,
+        closer: Arc<WorkerHandle>,
         samples: [Output<Option<HandSample>>; 2],
         traits: TrackerTraits,
     ) -> Box<dyn Tracker> {
@@ -86,12 +88,12 @@ impl Tracker for DeviceTracker {
         self.closer.shared.messages().take()
     }
 
-    fn messenger(&self) -> Messenger {
+    fn message_source(&self) -> MessageSource {
         let shared = self.closer.shared.clone();
         Box::new(move || shared.messages().take())
     }
 
-    fn lookout(&self) -> Lookout {
+    fn presence_check(&self) -> PresenceCheck {
         let shared = self.closer.shared.clone();
         Box::new(move || vec![shared.presence()])
     }
@@ -99,14 +101,14 @@ impl Tracker for DeviceTracker {
 
 /// The display's side.
 pub struct DeviceDisplay {
-    closer: Arc<Closer>,
+    closer: Arc<WorkerHandle>,
     outputs: [Input<HandOutput>; 2],
     traits: DisplayTraits,
 }
 
 impl DeviceDisplay {
     pub fn boxed(
-        closer: Arc<Closer>,
+        closer: Arc<WorkerHandle>,
         outputs: [Input<HandOutput>; 2],
         traits: DisplayTraits,
     ) -> Box<dyn ForceDisplay> {
@@ -149,12 +151,12 @@ impl ForceDisplay for DeviceDisplay {
         self.closer.shared.messages().take()
     }
 
-    fn messenger(&self) -> Messenger {
+    fn message_source(&self) -> MessageSource {
         let shared = self.closer.shared.clone();
         Box::new(move || shared.messages().take())
     }
 
-    fn lookout(&self) -> Lookout {
+    fn presence_check(&self) -> PresenceCheck {
         let shared = self.closer.shared.clone();
         Box::new(move || vec![shared.presence()])
     }

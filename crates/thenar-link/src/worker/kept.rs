@@ -1,7 +1,7 @@
 //! The keeper of an open device: started with it, and anew when it goes.
 
 use super::Shared;
-use crate::keeper::Keeping;
+use crate::keeper::KeeperProcess;
 use crate::{Protocol, Transport};
 use std::io;
 
@@ -11,7 +11,7 @@ const AGAIN_NS: u64 = 1_000_000_000;
 /// The keeper, if the device needs one and the program knows how to start it.
 #[derive(Default)]
 pub struct KeeperLink {
-    keeping: Option<Keeping>,
+    keeping: Option<KeeperProcess>,
     /// Time when the next keeper may be started \[ns\].
     due_ns: u64,
     /// The absence of a keeper was reported.
@@ -73,11 +73,14 @@ impl KeeperLink {
     }
 }
 
-fn begin(protocol: &dyn Protocol, transport: &mut dyn Transport) -> io::Result<Option<Keeping>> {
+fn begin(
+    protocol: &dyn Protocol,
+    transport: &mut dyn Transport,
+) -> io::Result<Option<KeeperProcess>> {
     let mut releases = false;
     protocol.release(&mut |bytes| releases |= !bytes.is_empty());
     if !releases || crate::keeper::program().is_none() {
         return Ok(None);
     }
-    transport.handle()?.map_or(Ok(None), Keeping::begin)
+    transport.handle()?.map_or(Ok(None), KeeperProcess::begin)
 }

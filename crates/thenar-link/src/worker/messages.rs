@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 /// Messages kept until somebody asks; older ones give way, and their number is reported.
-const KEPT: usize = 64;
+const CAPACITY: usize = 64;
 /// Longest message, in characters.
 const LENGTH: usize = 200;
 /// Least time between reports of refused bytes, and between repeats of a note \[ns\].
@@ -36,7 +36,7 @@ impl Messages {
 
     /// Adds one.
     pub fn tell(&mut self, text: &str) {
-        if self.queue.len() == KEPT {
+        if self.queue.len() == CAPACITY {
             self.queue.pop_front();
             self.lost += 1;
         }
@@ -95,10 +95,10 @@ mod tests {
             messages.tell(&format!("{k}{}", "x".repeat(1000)));
         }
         let told = messages.take();
-        assert_eq!(told.len(), KEPT + 1);
+        assert_eq!(told.len(), CAPACITY + 1);
         assert_eq!(told[0], "d: 936 earlier messages were left out");
         assert!(told.iter().all(|m| m.chars().count() <= LENGTH + 3));
-        assert!(told[1].starts_with("d: 936x") && told[KEPT].starts_with("d: 999x"));
+        assert!(told[1].starts_with("d: 936x") && told[CAPACITY].starts_with("d: 999x"));
         assert!(messages.take().is_empty());
     }
 

@@ -27,9 +27,9 @@ mod tests;
 
 use crate::{LinkError, Opened, Presence, Protocol, Rendering, Transport};
 pub use door::Door;
-use handles::{Closer, DeviceDisplay, DeviceTracker};
+use handles::{DeviceDisplay, DeviceTracker, WorkerHandle};
 use messages::Messages;
-use run::{Ends, Worker};
+use run::{Worker, WorkerEndpoints};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, Weak};
@@ -113,7 +113,7 @@ impl Device {
         let [sample_left, sample_right] = [(); 2].map(|()| triple_buffer(&None));
         let [output_left, output_right] =
             [Side::Left, Side::Right].map(|s| triple_buffer(&crate::HandOutput::released(s, 0)));
-        let ends = Ends {
+        let ends = WorkerEndpoints {
             samples: [sample_left.0, sample_right.0],
             outputs: [output_left.1, output_right.1],
         };
@@ -125,7 +125,7 @@ impl Device {
                 |e| LinkError::Open { device: name, cause: format!("cannot start a thread: {e}") },
             )?;
         shared.register();
-        let closer = Arc::new(Closer::new(shared, thread));
+        let closer = Arc::new(WorkerHandle::new(shared, thread));
         Ok(Opened {
             tracker: tracks.map(|traits| {
                 DeviceTracker::boxed(closer.clone(), [sample_left.1, sample_right.1], traits)

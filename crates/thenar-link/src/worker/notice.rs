@@ -10,7 +10,7 @@ const SILENT_NS: u64 = 2_000_000_000;
 
 /// Tells of losses and returns, each once.
 #[derive(Default)]
-pub struct Away {
+pub struct LossNotice {
     /// The failure that was told last, while the device is away.
     told: Option<io::ErrorKind>,
     /// True if the device has been there before.
@@ -20,7 +20,7 @@ pub struct Away {
     only_seemed: bool,
 }
 
-impl Away {
+impl LossNotice {
     /// The device cannot be reached.
     pub fn failed(&mut self, shared: &Shared, error: &io::Error) {
         if self.told != Some(error.kind()) {
@@ -59,7 +59,7 @@ impl Away {
 }
 
 /// Tells of a device that can be reached and says nothing, and when it speaks again.
-pub struct Silence {
+pub struct SilenceNotice {
     /// Time when the device was reached, or last made sense \[ns\].
     since_ns: u64,
     /// True if the device said something that made sense in this session.
@@ -70,14 +70,14 @@ pub struct Silence {
     told: bool,
 }
 
-impl Silence {
+impl SilenceNotice {
     /// Silence of a device that was reached now.
     pub fn new(now_ns: u64) -> Self {
         Self { since_ns: now_ns, spoke: false, bytes: false, told: false }
     }
 
     /// Looks at the device, after the bytes that came were understood as far as they could be.
-    pub fn look(&mut self, now_ns: u64, received: bool, shared: &Shared, away: &mut Away) {
+    pub fn look(&mut self, now_ns: u64, received: bool, shared: &Shared, away: &mut LossNotice) {
         self.bytes |= received;
         if let Some(heard) = shared.heard().filter(|heard| *heard > self.since_ns) {
             away.spoke(shared);
@@ -106,12 +106,12 @@ impl Silence {
 
 /// Tells of others that speak in the device's place and are not heard.
 #[derive(Default)]
-pub struct Others {
+pub struct OthersNotice {
     refused: u64,
     told_ns: Option<u64>,
 }
 
-impl Others {
+impl OthersNotice {
     /// Adds how often others were refused since the last call, and reports it when that is due.
     pub fn look(&mut self, now_ns: u64, refused: u64, shared: &Shared) {
         self.refused += refused;

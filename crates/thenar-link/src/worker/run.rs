@@ -3,9 +3,9 @@
 use super::door::Door;
 use super::handles::slot;
 use super::kept::KeeperLink;
-use super::notice::{Away, Others, Silence};
+use super::notice::{LossNotice, OthersNotice, SilenceNotice};
 use super::{BACK_OFF, Device, OUTPUT_SILENCE_NS, POLL, Shared};
-use crate::realtime::{Urgency, raise_priority, touch_stack};
+use crate::realtime::{PriorityClass, raise_priority, touch_stack};
 use crate::{Event, HandOutput, HandSample, Rendering, Transport, now_ns};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,13 +18,13 @@ use thenar_track::live::checked;
 use triple_buffer::{Input, Output};
 
 /// The thread's ends of the slots: left, right.
-pub struct Ends {
+pub struct WorkerEndpoints {
     pub samples: [Input<Option<HandSample>>; 2],
     pub outputs: [Output<HandOutput>; 2],
 }
 
 /// Why a session with an open transport ended.
-enum End {
+enum SessionEnd {
     /// The worker was asked to end.
     Stopped,
     /// The transport failed.
@@ -37,7 +37,7 @@ enum End {
 pub struct Worker {
     device: Device,
     shared: Arc<Shared>,
-    ends: Ends,
+    ends: WorkerEndpoints,
     /// Time of each side's newest sample \[ns\].
     sample_ns: [u64; 2],
     /// Arrival of the output shown for each side \[ns\]; `None` when released.
@@ -47,7 +47,7 @@ pub struct Worker {
 }
 
 impl Worker {
-    pub fn new(device: Device, shared: Arc<Shared>, ends: Ends) -> Self {
+    pub fn new(device: Device, shared: Arc<Shared>, ends: WorkerEndpoints) -> Self {
         let one_hand = device.protocol.holds_one_hand();
         // What shows no force has nothing to pass.
         let (limits, torque) = device
@@ -63,11 +63,11 @@ impl Worker {
         // Whoever only tracks need not be above the loop. What the system refuses the loop reports,
         // and `thenar devices check`.
         if self.device.display.is_some() {
-            let _ = raise_priority(Urgency::Device);
+            let _ = raise_priority(PriorityClass::Device);
             touch_stack();
         }
         let mut pause = BACK_OFF[0];
-        let mut away = Away::default();
+        let mut away = LossNotice::default();
         while !self.stopping() {
             match (self.device.connect)() {
                 Err(error) => away.failed(&self.shared, &error),
@@ -86,11 +86,11 @@ impl Worker {
                         pause = BACK_OFF[0];
                     }
                     match end {
-                        End::Stopped => break,
-                        End::Lost(error) => {
+                        SessionEnd::Stopped => break,
+                        SessionEnd::Lost(error) => {
                             away.lost(&self.shared, &error, spoke || !self.device.speaks);
                         }
-                        End::Panicked => {
+                        SessionEnd::Panicked => {
                             let text = "closed after an internal error; forces are released";
                             self.shared.messages().tell(text);
                             break;
@@ -121,35 +121,35 @@ impl Worker {
         &mut self,
         transport: &mut dyn Transport,
         kept: &mut KeeperLink,
-        away: &mut Away,
-    ) -> End {
+        away: &mut LossNotice,
+    ) -> SessionEnd {
         let talk = AssertUnwindSafe(|| self.talk(transport, kept, away));
-        catch_unwind(talk).unwrap_or(End::Panicked)
+        catch_unwind(talk).unwrap_or(SessionEnd::Panicked)
     }
 
     fn talk(
         &mut self,
         transport: &mut dyn Transport,
         kept: &mut KeeperLink,
-        away: &mut Away,
-    ) -> End {
+        away: &mut LossNotice,
+    ) -> SessionEnd {
         let mut buffer = vec![0; 1 << 16];
         let opened_ns = now_ns();
-        let mut silence = Silence::new(opened_ns);
-        let mut others = Others::default();
+        let mut silence = SilenceNotice::new(opened_ns);
+        let mut others = OthersNotice::default();
         self.shown_ns = [None; 2];
         self.door.open(opened_ns);
         // What waited for a device that was away is not shown late.
         self.ends.outputs.iter_mut().for_each(|output| _ = output.update());
-        let mut link = Link { transport, lost: None };
+        let mut link = FailFastSender { transport, lost: None };
         self.device.protocol.start(opened_ns, &mut |bytes| link.send(bytes));
         while link.lost.is_none() {
             if self.stopping() {
-                return End::Stopped;
+                return SessionEnd::Stopped;
             }
             let received = match link.transport.receive(&mut buffer, POLL) {
                 Ok(received) => received,
-                Err(error) => return End::Lost(error),
+                Err(error) => return SessionEnd::Lost(error),
             };
             let now = now_ns();
             if kept.beat(now, &*self.device.protocol, &mut *link.transport, &self.shared) {
@@ -176,14 +176,14 @@ impl Worker {
                 silence.look(now, received > 0, &self.shared, away);
             }
         }
-        link.lost.map_or(End::Stopped, End::Lost)
+        link.lost.map_or(SessionEnd::Stopped, SessionEnd::Lost)
     }
 
     /// Sets the device free, as far as it still can be reached; true if it took that.
     fn last_words(&mut self, transport: &mut dyn Transport) -> bool {
         let protocol = &mut self.device.protocol;
         let said = catch_unwind(AssertUnwindSafe(|| {
-            let mut link = Link { transport, lost: None };
+            let mut link = FailFastSender { transport, lost: None };
             protocol.stop(&mut |bytes| link.send(bytes));
             link.lost.is_none()
         }));
@@ -192,12 +192,12 @@ impl Worker {
 }
 
 /// Sends until the first failure, and keeps that.
-struct Link<'a> {
+struct FailFastSender<'a> {
     transport: &'a mut dyn Transport,
     lost: Option<io::Error>,
 }
 
-impl Link<'_> {
+impl FailFastSender<'_> {
     fn send(&mut self, bytes: &[u8]) {
         if self.lost.is_none() {
             self.lost = self.transport.send(bytes).err();

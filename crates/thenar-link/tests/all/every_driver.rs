@@ -156,8 +156,8 @@ fn opens_tells_and_lets_go(driver: &dyn Driver, stand: &Stand) {
             return;
         }
         let presence = || -> Vec<_> {
-            let of_tracker = opened.tracker.iter().map(|tracker| tracker.lookout());
-            let of_display = opened.display.iter().map(|display| display.lookout());
+            let of_tracker = opened.tracker.iter().map(|tracker| tracker.presence_check());
+            let of_display = opened.display.iter().map(|display| display.presence_check());
             of_tracker.chain(of_display).flat_map(|mut look| look()).collect()
         };
         if stand.has_line {

@@ -184,7 +184,8 @@ fn the_loop_lives_beside_mute_devices() {
     let address = format!("force-device:desktop@{}", bridge.local_addr().unwrap());
     let mut arm = open_device(&address);
     let (tracker, display) = (arm.tracker.take().unwrap(), arm.display.take().unwrap());
-    let (mut of_arm, headset) = (tracker.messenger(), open_device(&format!("hts:{}", free_port())));
+    let (mut of_arm, headset) =
+        (tracker.message_source(), open_device(&format!("hts:{}", free_port())));
     let mut clock = ManualLoop::new(
         &Settings::default(),
         vec![tracker, headset.tracker.unwrap()],

@@ -61,13 +61,13 @@ fn content(file: &Path) -> Result<Content, OpenError> {
 /// Writes a scene, a few steps and a channel.
 fn write(file: &Path) {
     let recorder = Recorder::create(file, &header()).unwrap();
-    let mut tape = recorder.session();
-    assert!(tape.big_frame(FrameKind::Scene, 1, |body| body.extend(b"a scene")));
+    let mut writer = recorder.session();
+    assert!(writer.big_frame(FrameKind::Scene, 1, |body| body.extend(b"a scene")));
     for k in 0..3_u8 {
         let step = |body: &mut Vec<u8>| body.extend([k; 8]);
-        assert!(tape.frame(FrameKind::Step, 10 + u64::from(k), Weight::Usual, step));
+        assert!(writer.frame(FrameKind::Step, 10 + u64::from(k), Weight::Usual, step));
     }
-    drop(tape);
+    drop(writer);
     recorder.finish().unwrap();
 }
 
@@ -244,12 +244,12 @@ fn bytes_that_are_missing_or_added_cost_what_they_touch_only() {
 fn what_follows_a_large_hole_is_found_and_a_trap_takes_no_time() {
     let place = Place::new("hole");
     let recorder = Recorder::create(&place.0, &header()).unwrap();
-    let mut tape = recorder.session();
+    let mut writer = recorder.session();
     for k in 0..400_u64 {
         let body = |body: &mut Vec<u8>| body.extend(k.to_le_bytes().repeat(64));
-        assert!(tape.frame(FrameKind::Keyframe, k, Weight::Heavy, body));
+        assert!(writer.frame(FrameKind::Keyframe, k, Weight::Heavy, body));
     }
-    drop(tape);
+    drop(writer);
     recorder.finish().unwrap();
     let whole = std::fs::read(&place.0).unwrap();
     let starts = starts(&whole);

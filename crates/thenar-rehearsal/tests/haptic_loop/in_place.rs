@@ -7,7 +7,7 @@ use crate::rig::{SCENE, session};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use thenar_link::haptic_loop::{HapticLoop, Settings};
-use thenar_link::realtime::{Urgency, lock_memory, raise_priority};
+use thenar_link::realtime::{PriorityClass, lock_memory, raise_priority};
 
 /// How much of the mapping around a place is locked \[KiB\].
 fn locked_around(place: usize) -> usize {
@@ -54,7 +54,8 @@ fn until(what: &str, mut done: impl FnMut() -> bool) {
 /// the command that tells more.
 #[test]
 fn threads_are_as_urgent_as_they_are_said_to_be() {
-    let allowed = std::thread::spawn(|| raise_priority(Urgency::Keeper).is_ok()).join().unwrap();
+    let allowed =
+        std::thread::spawn(|| raise_priority(PriorityClass::Keeper).is_ok()).join().unwrap();
     let opened = thenar_link::open("null:right").unwrap();
     let trackers = opened.tracker.into_iter().collect();
     let displays = opened.display.into_iter().collect();
@@ -64,8 +65,11 @@ fn threads_are_as_urgent_as_they_are_said_to_be() {
         warnings.iter().any(|w| w.contains(what) && w.contains("thenar devices check"))
     };
     assert_eq!(warned("real-time priority"), !allowed);
-    let threads =
-        [("haptics", Urgency::Loop), ("device", Urgency::Device), ("watchdog", Urgency::Watchdog)];
+    let threads = [
+        ("haptics", PriorityClass::Loop),
+        ("device", PriorityClass::Device),
+        ("watchdog", PriorityClass::Watchdog),
+    ];
     for (name, urgency) in threads {
         let wanted = if allowed { urgency.priority() } else { 0 };
         until(name, || priorities(name).contains(&wanted));

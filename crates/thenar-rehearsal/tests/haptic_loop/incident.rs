@@ -50,7 +50,7 @@ fn run(rig: &mut Rig, ms: u64, kept: &mut Vec<TickRecord>, flexion: impl Fn(u64)
         while let Ok(record) = rig.clock.records.pop() {
             kept.push(record);
         }
-        rig.clock.reel.as_mut().unwrap().wind();
+        rig.clock.incident_reader.as_mut().unwrap().drain();
     }
 }
 
@@ -156,7 +156,7 @@ fn what_is_kept_is_bounded() {
     assert!((2000..=3001).contains(&ticks), "{ticks}");
     assert!(incident.samples.len() <= ticks / 5 + 1 && incident.samples.len() >= ticks / 5 - 1);
     let rig = Rig::of(SCENE, &settings(LoopMode::SingleRate), Rendering::Tendons);
-    assert!(rig.clock.reel.is_none());
+    assert!(rig.clock.incident_reader.is_none());
 }
 
 /// A monitor that looks too rarely lets samples overflow: what is kept begins anew with the next

@@ -4,7 +4,7 @@
 
 use crate::rig::{session, small};
 use thenar_link::haptic_loop::LoopMode;
-use thenar_rehearsal::{Human, Outcome, Rehearsal};
+use thenar_rehearsal::{FingerImpedance, Outcome, Rehearsal};
 use thenar_testing::one_in;
 use thenar_touch::TrackerTiming;
 
@@ -16,7 +16,7 @@ const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml"
 fn held(until: f64, mbk: [f64; 3], [rate, latency]: [f64; 2]) -> Rehearsal {
     let [mass, damping, stiffness] = mbk;
     Rehearsal {
-        human: Human { mass, damping, stiffness },
+        human: FingerImpedance { mass, damping, stiffness },
         tracker: TrackerTiming { rate, latency, noise: 0.0 },
         mode: LoopMode::Shared,
         grip: Some(1.0),
@@ -162,8 +162,10 @@ fn is_still(what: &Rehearsal, scene: &str) {
 #[test]
 fn what_no_hand_does_is_refused() {
     let sound = held(1.0, [0.05, 1.0, 50.0], [90.0, 0.0]);
-    let human =
-        |mass, damping, stiffness| Rehearsal { human: Human { mass, damping, stiffness }, ..sound };
+    let human = |mass, damping, stiffness| Rehearsal {
+        human: FingerImpedance { mass, damping, stiffness },
+        ..sound
+    };
     let tracker = |rate, latency, noise| Rehearsal {
         tracker: TrackerTiming { rate, latency, noise },
         ..sound

@@ -8,7 +8,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thenar_link::haptic_loop::LoopMode;
-use thenar_rehearsal::{Human, Outcome, Rehearsal};
+use thenar_rehearsal::{FingerImpedance, Outcome, Rehearsal};
 use thenar_scene::session::Session;
 use thenar_touch::TrackerTiming;
 
@@ -43,7 +43,7 @@ fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
     let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
     let session = Session::from_text(text, Path::new("test.toml"), &small).expect("a scene");
     let what = Rehearsal {
-        human: Human { mass, damping, stiffness },
+        human: FingerImpedance { mass, damping, stiffness },
         tracker: TrackerTiming { rate, latency, noise: 0.0 },
         mode,
         grip: Some(1.0),
@@ -66,7 +66,7 @@ fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
 /// What is left at worst of a disturbance in the middle of the window that is looked at: of the
 /// hand's own damping the rule leaves `b - 0.85` N s/m, and it decays within `2 m/(b - 0.85)`.
 fn left(what: &Rehearsal) -> f64 {
-    let Human { mass, damping, .. } = what.human;
+    let FingerImpedance { mass, damping, .. } = what.human;
     (-(what.after - 0.5) * (damping - 0.85) / (2.0 * mass)).exp()
 }
 
@@ -75,7 +75,7 @@ fn left(what: &Rehearsal) -> f64 {
 /// F/k, and the push, by v₀/ω.
 fn check(name: &str, what: &Rehearsal, out: &Outcome) {
     let (worst, left) = (out.worst(), left(what));
-    let Human { mass, stiffness, .. } = what.human;
+    let FingerImpedance { mass, stiffness, .. } = what.human;
     let away = left * (worst.mean / stiffness + 0.5 * 0.05 / (mass * stiffness).sqrt());
     println!("{name}: {worst:?} {:?}, {away} m left", out.trips);
     let [motion, force] = [1e-4 + away, 0.02 + away * out.stiffness];
@@ -129,7 +129,7 @@ fn heavy(after: f64) -> (Rehearsal, Outcome) {
     let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
     let (_, text, until) = SCENES[0];
     let session = Session::from_text(text, Path::new("test.toml"), &small).expect("a scene");
-    let human = Human { mass: 2.0, damping: 1.0, stiffness: 50.0 };
+    let human = FingerImpedance { mass: 2.0, damping: 1.0, stiffness: 50.0 };
     let tracker = TrackerTiming { rate: 120.0, latency: 0.0, noise: 0.0 };
     let (mode, grip, press, sway) = (LoopMode::Shared, Some(1.0), 0.01, None);
     let what = Rehearsal { human, tracker, mode, grip, until, press, sway, after };
@@ -140,8 +140,8 @@ fn heavy(after: f64) -> (Rehearsal, Outcome) {
 
 /// How long a hand sways by itself \[s\]: until the sway that contact, which takes it away by F/k,
 /// and the push, by v₀/ω, begin falls by e^(-t b/2m) to a tenth of a millimetre.
-fn own_decay(human: &Human, force: f64) -> f64 {
-    let Human { mass, damping, stiffness } = *human;
+fn own_decay(human: &FingerImpedance, force: f64) -> f64 {
+    let FingerImpedance { mass, damping, stiffness } = *human;
     let start = force / stiffness + 0.5 * 0.05 / (mass * stiffness).sqrt();
     2.0 * mass / damping * (start / 1e-4).ln()
 }

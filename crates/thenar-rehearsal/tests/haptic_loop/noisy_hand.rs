@@ -4,7 +4,7 @@
 
 use std::path::Path;
 use thenar_link::haptic_loop::LoopMode;
-use thenar_rehearsal::{Human, Rehearsal};
+use thenar_rehearsal::{FingerImpedance, Rehearsal};
 use thenar_scene::session::Session;
 use thenar_touch::TrackerTiming;
 
@@ -29,7 +29,7 @@ fn a_loose_hand_seen_with_noise_is_only_stirred() {
         let session = Session::from_text(TABLE, Path::new("test.toml"), &small).expect("a scene");
         let [mass, damping, stiffness] = mbk;
         let what = Rehearsal {
-            human: Human { mass, damping, stiffness },
+            human: FingerImpedance { mass, damping, stiffness },
             tracker: TrackerTiming { rate, latency, noise: 1e-3 },
             mode: LoopMode::Shared,
             grip: Some(1.0),

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 use thenar_link::haptic_loop::LoopMode;
-use thenar_rehearsal::{Human, Rehearsal, RehearsalError};
+use thenar_rehearsal::{FingerImpedance, Rehearsal, RehearsalError};
 use thenar_scene::session::Session;
 use thenar_touch::{GRIP, MARGIN, TrackerTiming};
 
@@ -13,7 +13,7 @@ const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml"
 #[test]
 fn the_rule_stays_below_the_onset_of_humming() {
     let what = Rehearsal {
-        human: Human { mass: 0.05, damping: 1.2, stiffness: 50.0 },
+        human: FingerImpedance { mass: 0.05, damping: 1.2, stiffness: 50.0 },
         tracker: TrackerTiming { rate: 60.0, latency: 0.05, noise: 0.0 },
         mode: LoopMode::Shared,
         grip: Some(GRIP),

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 use thenar_link::haptic_loop::LoopMode;
-use thenar_rehearsal::{Human, Outcome, Rehearsal};
+use thenar_rehearsal::{FingerImpedance, Outcome, Rehearsal};
 use thenar_scene::session::Session;
 use thenar_touch::TrackerTiming;
 
@@ -12,7 +12,7 @@ const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml"
 
 fn measured(grip: Option<f64>) -> (Outcome, [f64; 5]) {
     let what = Rehearsal {
-        human: Human { mass: 0.2, damping: 10.0, stiffness: 500.0 },
+        human: FingerImpedance { mass: 0.2, damping: 10.0, stiffness: 500.0 },
         tracker: TrackerTiming { rate: 1000.0, latency: 0.0, noise: 0.0 },
         mode: LoopMode::Shared,
         grip,

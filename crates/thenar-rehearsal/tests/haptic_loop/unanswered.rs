@@ -10,7 +10,7 @@ use thenar_core::world::{Input, State, Target};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings, SimulatedHand, Simulation};
 use thenar_scene::session::Session;
-use thenar_touch::SlowToFast;
+use thenar_touch::BoneFrame;
 use thenar_track::live::{LiveError, LiveHand};
 
 const HAND: &str = "version = 1\ntime_step = 0.016\n[[hand]]\nname = \"hand\"\nmodel = \"right\"\n";
@@ -61,7 +61,7 @@ impl Simulation for Moody {
         self.session.let_go(index);
     }
 
-    fn condense(&mut self, bones: Range<u32>, to: &mut SlowToFast) -> bool {
+    fn condense(&mut self, bones: Range<u32>, to: &mut BoneFrame) -> bool {
         if self.answers {
             return Simulation::condense(&mut self.session, bones, to);
         }

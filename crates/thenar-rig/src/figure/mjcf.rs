@@ -13,7 +13,7 @@ mod settings;
 mod tests;
 mod world;
 
-use super::draft::{Draft, Meshes, listed};
+use super::link_tree::{LinkTree, Meshes, listed};
 use super::plan::Plan;
 use super::xml::{self, Element};
 use crate::RigError;
@@ -82,7 +82,7 @@ pub fn read_mjcf(text: &str, folder: &Path) -> Result<Plan, RigError> {
     let follows = equality::read(root, &links, &mut notes)?;
     notes.extend(context.notes.told());
     let name = root.get("model").map_or(String::new(), |name| name.value.to_owned());
-    Draft { name, noun: "body", links, follows, notes }.finish()
+    LinkTree { name, noun: "body", links, follows, notes }.finish()
 }
 
 /// Errs when the file is of another format, or is not whole.

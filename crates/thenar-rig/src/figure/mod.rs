@@ -4,11 +4,11 @@
 mod around;
 mod bind;
 mod build;
-mod draft;
 mod file;
 mod glb;
 mod in_solid;
 mod joints;
+mod link_tree;
 pub(crate) mod mimic;
 mod mjcf;
 mod options;

@@ -7,7 +7,7 @@ mod link;
 mod tests;
 mod tree;
 
-use super::draft::{Draft, Meshes, listed};
+use super::link_tree::{LinkTree, Meshes, listed};
 use super::plan::Plan;
 use super::xml::{self, Element};
 use crate::RigError;
@@ -51,7 +51,7 @@ pub fn read_urdf(text: &str, folder: &Path) -> Result<Plan, RigError> {
     }
     notes.extend(tree.dropped_root()?);
     let name = robot.get("name").map_or(String::new(), |name| name.value.to_owned());
-    Draft { name, noun: "link", links, follows: tree.mimics()?, notes }.finish()
+    LinkTree { name, noun: "link", links, follows: tree.mimics()?, notes }.finish()
 }
 
 /// Errs when the outermost element is that of another format.

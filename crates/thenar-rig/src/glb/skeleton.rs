@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use thenar_input::quoted;
 
 /// A joint at rest.
-struct Rest {
+struct RestJoint {
     /// Index of its node.
     node: usize,
     name: String,
@@ -21,7 +21,7 @@ struct Rest {
 /// The joints of one skin and of others that share some with it.
 #[derive(Default)]
 pub(super) struct Skeleton {
-    rests: Vec<Rest>,
+    rests: Vec<RestJoint>,
     of_node: HashMap<usize, u32>,
 }
 
@@ -80,7 +80,7 @@ impl Skeleton {
                     let new = self.rests.len() as u32;
                     self.of_node.insert(rest.node, new);
                     let matrix = to_first.map_or(rest.matrix, |by| by * rest.matrix);
-                    self.rests.push(Rest { matrix, ..rest });
+                    self.rests.push(RestJoint { matrix, ..rest });
                     (new, to_first)
                 }
             };
@@ -121,7 +121,7 @@ fn rests(
     file: &Container,
     skin: &gltf::Skin<'_>,
     nodes: &Nodes<'_>,
-) -> Result<Vec<Rest>, RigError> {
+) -> Result<Vec<RestJoint>, RigError> {
     let binds = skin
         .inverse_bind_matrices()
         .map(|a| accessor::open(file, &a, Dimensions::Mat4, "inverse bind matrices"))
@@ -133,7 +133,7 @@ fn rests(
             None => nodes.iter().find(|(n, _)| n.index() == node.index()).map(|(_, w)| *w),
         };
         let matrix = matrix.ok_or_else(|| not_placed(&name))?;
-        Ok(Rest { node: node.index(), name, matrix })
+        Ok(RestJoint { node: node.index(), name, matrix })
     });
     each.collect()
 }

@@ -5,7 +5,7 @@ use super::loose::{Loose, Softness};
 use super::options::{HandOptions, Size, Springs};
 use super::relax::relax;
 use super::report::{HandReport, JoinedMeshes, RigReading};
-use super::rig::{self, Found, Frames, Posed};
+use super::rig::{self, Frames, Posed, RigJoints};
 use super::sides::Sides;
 use super::solids::Covered;
 use super::{
@@ -54,7 +54,7 @@ pub fn build_hand_with_report(
     bytes: &[u8],
     options: &HandOptions,
 ) -> Result<(HandModel, HandReport), RigError> {
-    let Made { mut hand, skin, digits, covered, reading } = made(bytes, options)?;
+    let AssembledModel { mut hand, skin, digits, covered, reading } = made(bytes, options)?;
     let joints = match options.springs {
         Springs::Fixed => Vec::new(),
         Springs::Rest => passive::fill_up(&mut hand)?,
@@ -65,7 +65,7 @@ pub fn build_hand_with_report(
 }
 
 /// A hand with springs from the table, and what it was made from.
-struct Made {
+struct AssembledModel {
     hand: HandModel,
     skin: TriMesh,
     digits: Vec<DigitRig>,
@@ -73,7 +73,7 @@ struct Made {
     reading: RigReading,
 }
 
-fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
+fn made(bytes: &[u8], options: &HandOptions) -> Result<AssembledModel, RigError> {
     options.check()?;
     phase("reading the hand")?;
     let mut rig = glb::read_skinned_glb_of(bytes, &options.meshes)?;
@@ -160,7 +160,7 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.
     model_file::check_hand(&hand)?;
-    Ok(Made { hand, skin, digits, covered, reading })
+    Ok(AssembledModel { hand, skin, digits, covered, reading })
 }
 
 /// Makes one surface of several meshes, as a glove over skin, or a hand and its sleeve. Meshes that
@@ -250,7 +250,7 @@ fn within_lengths(length: f64) -> bool {
 
 fn at_scale(
     rig: &SkinnedMesh,
-    found: &Found,
+    found: &RigJoints,
     frames: &Frames,
     scale: f64,
 ) -> Result<Rigged, RigError> {

@@ -43,7 +43,7 @@ pub(super) fn bone_nodes(
     let points = points_in_solids(lattice, bones, solids);
     let volumes: Vec<f64> = solids.iter().map(|solid| volume(&solid.shape)).collect();
     let shares = shares(lattice, &points, &volumes);
-    let bends: Vec<Bend> = joints.iter().filter_map(Bend::utmost).collect();
+    let bends: Vec<BentJoint> = joints.iter().filter_map(BentJoint::utmost).collect();
     let held = held(&shares, bones);
     let carried = |held: &BoneNode| {
         let x = &lattice.nodes[held.node as usize];
@@ -102,7 +102,7 @@ fn ties_digits(shares: &Shares, bones: &[Bone]) -> bool {
 }
 
 /// A joint bent to the end of its range.
-struct Bend<'a> {
+struct BentJoint<'a> {
     joint: &'a JointDesc,
     /// Frame K of the child in J, fully bent.
     pose_JK: Pose,
@@ -112,7 +112,7 @@ struct Bend<'a> {
     halving_J: Vec3,
 }
 
-impl<'a> Bend<'a> {
+impl<'a> BentJoint<'a> {
     /// None of a joint that has no range.
     fn utmost(joint: &'a JointDesc) -> Option<Self> {
         let flexion = match joint.kind {

@@ -22,7 +22,7 @@ use thenar_core::{Pose, Quat, Vec3};
 
 /// Passive behaviour of one axis, for a hand of 190 mm.
 #[derive(Clone, Copy)]
-struct Passive {
+struct PassiveAxis {
     /// Range \[°\].
     range: [f64; 2],
     /// Spring \[N m/rad\].
@@ -44,8 +44,8 @@ const REST_MARGIN: f64 = 0.03;
 /// joint has 60° of flexion-extension (radial abduction) and 45° of palmar abduction about its
 /// rest. Springs: those of tendons and capsule alone. What is measured at a living knuckle
 /// (0.02-0.06 N m/rad) is their sum with the bent flesh, which the elements give.
-fn passive(digit: Digit, k: usize) -> [Passive; 2] {
-    let axis = |low, high, stiffness| Passive { range: [low, high], stiffness };
+fn passive(digit: Digit, k: usize) -> [PassiveAxis; 2] {
+    let axis = |low, high, stiffness| PassiveAxis { range: [low, high], stiffness };
     let none = axis(0.0, 0.0, 0.0);
     match (digit, k) {
         (Digit::Thumb, 0) => [axis(-22.5, 22.5, 0.025), axis(-30.0, 30.0, 0.025)],
@@ -121,7 +121,7 @@ fn flexion_origin(digit: Digit, k: usize, rest: f64) -> f64 {
     if digit == Digit::Thumb && k == 0 { rest } else { 0.0 }
 }
 
-fn axis(passive: &Passive, origin: f64, rest: f64, scale: f64) -> Axis {
+fn axis(passive: &PassiveAxis, origin: f64, rest: f64, scale: f64) -> Axis {
     let [low, high] = passive.range.map(|degrees| origin + degrees.to_radians());
     Axis {
         limit: Some(AngleLimit {

@@ -88,7 +88,7 @@ fn wanted(digit: Digit, place: usize, flexion: bool) -> (f64, Option<[f64; 2]>) 
 /// # Errors
 /// The hand makes no world, or the work would be too much.
 pub fn joint_stiffness(hand: &HandModel) -> Result<Vec<JointStiffness>, RigError> {
-    let measured = Measured::new(hand)?;
+    let measured = FleshResistance::new(hand)?;
     Ok(measured.rows(hand))
 }
 
@@ -98,7 +98,7 @@ pub fn joint_stiffness(hand: &HandModel) -> Result<Vec<JointStiffness>, RigError
 /// # Errors
 /// As [`joint_stiffness`].
 pub(super) fn fill_up(hand: &mut HandModel) -> Result<Vec<JointStiffness>, RigError> {
-    let measured = Measured::new(hand)?;
+    let measured = FleshResistance::new(hand)?;
     let wanted: Vec<f64> = measured.axes.iter().map(|&axis| goal(hand, axis).0).collect();
     for (&(j, k), spring) in measured.axes.iter().zip(fitted(&measured.flesh, &wanted)) {
         hand.joints[j].axes[k].stiffness = rounded(spring);
@@ -112,13 +112,13 @@ pub(super) fn fill_up(hand: &mut HandModel) -> Result<Vec<JointStiffness>, RigEr
 }
 
 /// Resistance of a hand's flesh when its joints are turned.
-struct Measured {
+struct FleshResistance {
     axes: Vec<AxisOf>,
     /// Stiffness of the flesh \[N m/rad\], symmetric.
     flesh: DMatrix<f64>,
 }
 
-impl Measured {
+impl FleshResistance {
     fn new(hand: &HandModel) -> Result<Self, RigError> {
         let axes = Bender::axes(hand);
         let turn = |axis: &AxisOf| TURNS[usize::from(!is_flexion(hand, *axis))];

@@ -122,10 +122,10 @@ pub struct BoneLength {
 }
 
 /// Bone, mean and standard deviation \[mm\].
-type Measured = (&'static str, f64, f64);
+type ReferenceLength = (&'static str, f64, f64);
 
 /// Mean and standard deviation \[mm\] of thumb, index and middle, from the metacarpal on.
-const RADIOGRAPHS: [(Digit, &[Measured]); 3] = [
+const RADIOGRAPHS: [(Digit, &[ReferenceLength]); 3] = [
     (Digit::Thumb, &[("metacarpal", 46.2, 3.9), ("proximal", 31.6, 3.1), ("distal", 21.7, 1.6)]),
     (
         Digit::Index,

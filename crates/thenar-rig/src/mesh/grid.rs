@@ -50,7 +50,8 @@ pub fn distance_grid(
 ) -> Result<DistanceGrid, RigError> {
     let reach = if let Inside::Shell(thickness) = inside { thickness / 2.0 } else { 0.0 };
     let mut grid = layout(mesh, reach, options)?;
-    let mut laying = Laying { bvh, inside, balanced: balanced(mesh), values: Vec::new(), near: 0 };
+    let mut laying =
+        GridFill { bvh, inside, balanced: balanced(mesh), values: Vec::new(), near: 0 };
     let stage = Stage::new(
         "laying a grid of distances",
         grid.dims[2] as usize,
@@ -77,7 +78,7 @@ fn balanced(mesh: &TriMesh) -> bool {
 }
 
 /// A grid while it is laid, x fastest.
-struct Laying<'a> {
+struct GridFill<'a> {
     bvh: &'a Bvh,
     inside: Inside,
     balanced: bool,
@@ -90,7 +91,7 @@ struct Laying<'a> {
 /// Points along each axis at which the cost of a grid is looked at beforehand.
 const PROBES: u32 = 5;
 
-impl Laying<'_> {
+impl GridFill<'_> {
     /// One layer of constant z.
     fn layer(&mut self, grid: &DistanceGrid, k: u32) {
         for j in 0..grid.dims[1] {

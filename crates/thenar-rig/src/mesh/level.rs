@@ -36,7 +36,12 @@ impl Field {
 
     /// The surface where the value is `level`, lower values inside.
     pub fn surface(&self, level: f64) -> TriMesh {
-        let mut cut = Cut { grid: self, level, vertices: HashMap::new(), mesh: TriMesh::default() };
+        let mut cut = IsosurfaceBuilder {
+            grid: self,
+            level,
+            vertices: HashMap::new(),
+            mesh: TriMesh::default(),
+        };
         let [nx, ny, nz] = self.dims.map(|n| n - 1);
         for k in 0..nz {
             for j in 0..ny {
@@ -50,7 +55,7 @@ impl Field {
 }
 
 /// A surface that is being cut from a grid.
-struct Cut<'a> {
+struct IsosurfaceBuilder<'a> {
     grid: &'a Field,
     level: f64,
     /// Vertex on each grid edge, by the edge's ends in ascending order.
@@ -58,7 +63,7 @@ struct Cut<'a> {
     mesh: TriMesh,
 }
 
-impl Cut<'_> {
+impl IsosurfaceBuilder<'_> {
     fn cube(&mut self, at: [usize; 3]) {
         let corner = |c: usize| [0, 1, 2].map(|k| at[k] + (c >> k & 1));
         let corners: [[usize; 3]; 8] = std::array::from_fn(corner);

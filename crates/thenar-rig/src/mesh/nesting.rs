@@ -18,7 +18,7 @@ const PROBES: usize = 64;
 /// # Errors
 /// Too many pieces lie within others for a look at all; or the work is to end.
 pub(super) fn depths(pieces: &[TriMesh], asked: &[usize]) -> Result<Vec<usize>, RigError> {
-    let nest = Nest::new(pieces);
+    let nest = PieceHierarchy::new(pieces);
     let step = asked.len().div_ceil(PROBES).max(1);
     let probes = asked.iter().step_by(step);
     let expected: usize = probes.map(|&k| nest.cost(k, &nest.around(pieces, k))).sum();
@@ -46,7 +46,7 @@ pub(super) fn depths(pieces: &[TriMesh], asked: &[usize]) -> Result<Vec<usize>, 
 }
 
 /// Pieces, and a hierarchy over the boxes around them.
-struct Nest {
+struct PieceHierarchy {
     hierarchies: Vec<Bvh>,
     /// Comparisons that each piece takes to say whether it holds its middle.
     costs: Vec<usize>,
@@ -54,7 +54,7 @@ struct Nest {
     tree: Bvh,
 }
 
-impl Nest {
+impl PieceHierarchy {
     fn new(pieces: &[TriMesh]) -> Self {
         // A triangle between the far corners of a box has that box.
         let boxes = TriMesh {

@@ -22,7 +22,7 @@ pub struct Welded {
 /// only). Vertices keep their order and the position of the first. Triangles left with two equal
 /// corners are dropped. Positions must be finite.
 pub fn weld(mesh: &TriMesh, tolerance: f64) -> Welded {
-    let mut kept = Kept::new(tolerance);
+    let mut kept = VertexGrid::new(tolerance);
     let map: Vec<u32> = mesh.positions.iter().map(|p| kept.index_of(p)).collect();
 
     let mut triangles: Vec<[u32; 3]> =
@@ -40,13 +40,13 @@ pub(crate) fn weld_near(mesh: &TriMesh) -> TriMesh {
 }
 
 /// The vertices that stay, with a hash grid over them of cell size `tolerance`.
-struct Kept {
+struct VertexGrid {
     tolerance: f64,
     positions: Vec<Vec3>,
     cells: HashMap<[i64; 3], Vec<u32>>,
 }
 
-impl Kept {
+impl VertexGrid {
     fn new(tolerance: f64) -> Self {
         Self { tolerance: tolerance.max(0.0), positions: Vec::new(), cells: HashMap::new() }
     }

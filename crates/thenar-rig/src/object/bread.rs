@@ -65,7 +65,7 @@ pub fn bread(bread: &Bread) -> Result<(SoftModel, SoftReport), RigError> {
         return Err(RigError::invalid("a loaf needs 1 to 1000 cells along each axis"));
     }
     let tets = lattice_tets(cells, Cubes::Five)?;
-    let map = Map::new(&bread.size);
+    let map = LoafMap::new(&bread.size);
     let nodes = lattice_nodes(cells, &map);
     let materials = materials(&tets, cells, bread);
 
@@ -78,14 +78,14 @@ pub fn bread(bread: &Bread) -> Result<(SoftModel, SoftReport), RigError> {
 }
 
 /// Maps the cube [-1, 1]³ to the loaf.
-struct Map {
+struct LoafMap {
     half: Vec3,
     /// Bounds of the unscaled shape, by which it is brought to size.
     low: Vec3,
     span: Vec3,
 }
 
-impl Map {
+impl LoafMap {
     fn new(size: &Vec3) -> Self {
         let mut map = Self { half: size * 0.5, low: Vec3::zeros(), span: Vec3::zeros() };
         let n = 24;
@@ -132,7 +132,7 @@ fn bulged(q: &Vec3) -> Vec3 {
     Vec3::new(x, y * taper, z * taper)
 }
 
-fn lattice_nodes([nx, ny, nz]: [usize; 3], map: &Map) -> Vec<Vec3> {
+fn lattice_nodes([nx, ny, nz]: [usize; 3], map: &LoafMap) -> Vec<Vec3> {
     let at = |i: usize, n: usize| 2.0 * i as f64 / n as f64 - 1.0;
     let mut nodes = Vec::with_capacity((nx + 1) * (ny + 1) * (nz + 1));
     for k in 0..=nz {
@@ -166,7 +166,7 @@ struct Embedder<'a> {
 
 impl Embedder<'_> {
     /// The loaf's surface with this many quads along the axes, two triangles each.
-    fn surface(&self, quads: [u32; 3], map: &Map) -> EmbeddedSurface {
+    fn surface(&self, quads: [u32; 3], map: &LoafMap) -> EmbeddedSurface {
         let mut surface = EmbeddedSurface::default();
         let mut index = std::collections::BTreeMap::new();
         for axis in 0..3 {
@@ -199,7 +199,7 @@ impl Embedder<'_> {
     }
 
     /// The element of the point's lattice cell that holds it best.
-    fn vertex(&self, q: &Vec3, map: &Map) -> SurfaceVertex {
+    fn vertex(&self, q: &Vec3, map: &LoafMap) -> SurfaceVertex {
         let cell = [0, 1, 2].map(|k| {
             let n = self.cells[k];
             (((q[k] + 1.0) / 2.0 * n as f64) as usize).min(n - 1)

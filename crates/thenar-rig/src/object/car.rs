@@ -3,7 +3,7 @@
 //! Frame M: x forward, y up, z to the right; the wheels stand on y = 0.
 
 use super::import::{ImportOptions, MeshReport, Weight, rigid_from_mesh};
-use super::rigid::{Paint, RigidModel};
+use super::rigid::{ColourRun, RigidModel};
 use crate::error::positive;
 use crate::mesh::shapes;
 use crate::{RigError, TriMesh};
@@ -44,11 +44,11 @@ pub fn toy_car(car: &Car) -> Result<(RigidModel, MeshReport), RigError> {
 }
 
 /// All parts \[mm\] with their colours.
-fn parts() -> (TriMesh, Vec<Paint>) {
+fn parts() -> (TriMesh, Vec<ColourRun>) {
     let mut mesh = TriMesh::default();
     let mut paint = Vec::new();
     let mut add = |part: &TriMesh, colour| {
-        paint.push(Paint { first: mesh.triangles.len() as u32, colour });
+        paint.push(ColourRun { first: mesh.triangles.len() as u32, colour });
         mesh.append(part);
     };
     add(&lower_body(), RED);

@@ -22,6 +22,6 @@ pub use extent::{
 pub use import::{ImportOptions, Interior, MeshReport, Weight, rigid_from_mesh};
 pub use lattice_box::{Cubes, graded, graded_block, lattice_box};
 pub use primitive::{rigid_box, rigid_capsule, rigid_sphere, static_plane};
-pub use rigid::{Paint, RigidModel};
+pub use rigid::{ColourRun, RigidModel};
 pub use soft::{SoftModel, SoftOptions, SoftReport, check_material, soft_from_tets};
 pub use solids::{Ball, ball};

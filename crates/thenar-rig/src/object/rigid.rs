@@ -24,14 +24,14 @@ pub struct RigidModel {
     /// Surface for drawing, in B.
     pub render: TriMesh,
     /// Colours of runs of render triangles, in order; empty for one colour.
-    pub paint: Vec<Paint>,
+    pub paint: Vec<ColourRun>,
     /// Coulomb friction coefficient.
     pub friction: f64,
 }
 
 /// The colour of the render triangles from `first` to the next run.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Paint {
+pub struct ColourRun {
     /// First triangle.
     pub first: u32,
     /// Red, green, blue in 0..1 (sRGB).

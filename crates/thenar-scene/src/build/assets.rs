@@ -7,7 +7,7 @@ use crate::format::{
     BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshNames, MeshShape,
     MeshSoftShape, PresetWord, SpringsWord,
 };
-use crate::text::{At, Cx, Fault, Node, Read, nearest};
+use crate::text::{Cx, Fault, Located, Node, Read, nearest};
 use std::path::{Path, PathBuf};
 use thenar_core::math::Vec3;
 use thenar_core::model::{HandModel, Law, Material, Side};
@@ -32,12 +32,12 @@ pub fn unit() -> Material {
 }
 
 /// The path of what a scene calls `file`.
-pub fn path(files: &Files, file: &At<String>) -> PathBuf {
+pub fn path(files: &Files, file: &Located<String>) -> PathBuf {
     files.path(file)
 }
 
 /// Text of a file that a scene names.
-pub fn read_text(files: &Files, file: &At<String>, bytes_max: u64) -> Result<String, Fault> {
+pub fn read_text(files: &Files, file: &Located<String>, bytes_max: u64) -> Result<String, Fault> {
     let path = path(files, file);
     let fault = |problem: String| file.fault(format!("{}: {problem}", path.display()));
     thenar_input::read_text(&path, bytes_max).map_err(|e| fault(e.to_string()))
@@ -73,7 +73,7 @@ pub fn explicit(shape: &ExplicitShape, scale: f64) -> Result<SoftModel, Fault> {
 }
 
 /// A ball, perhaps hollow.
-pub fn ball(shape: &BallShape, at: &At<impl Sized>) -> Result<SoftModel, Fault> {
+pub fn ball(shape: &BallShape, at: &Located<impl Sized>) -> Result<SoftModel, Fault> {
     let ball = Ball {
         outer: shape.radius,
         inner: shape.core_radius,
@@ -97,7 +97,7 @@ pub fn loaf(shape: &BreadShape) -> Bread {
 }
 
 /// A loaf of bread.
-pub fn bread(shape: &BreadShape, at: &At<impl Sized>) -> Result<SoftModel, Fault> {
+pub fn bread(shape: &BreadShape, at: &Located<impl Sized>) -> Result<SoftModel, Fault> {
     bread_of(&Bread { crumb: unit(), ..loaf(shape) })
         .map(|(model, _)| model)
         .map_err(|e| at.fault(e.to_string()))
@@ -147,7 +147,7 @@ fn closes(shape: &MeshSoftShape) -> String {
 }
 
 /// The toy car.
-pub fn car(car: &CarShape, weight: Weight, at: &At<impl Sized>) -> Result<Solid, Fault> {
+pub fn car(car: &CarShape, weight: Weight, at: &Located<impl Sized>) -> Result<Solid, Fault> {
     let fault = |e: thenar_rig::RigError| at.fault(e.to_string());
     let mass = match weight {
         Weight::Mass(mass) => mass,
@@ -242,7 +242,7 @@ pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel,
 
 /// Errs when a file has no mesh of one of these names, and lists those that it has. What else is
 /// wrong with the file, who builds from it says.
-pub fn check_meshes(wanted: Option<&At<MeshNames>>, bytes: &[u8]) -> Result<(), Fault> {
+pub fn check_meshes(wanted: Option<&Located<MeshNames>>, bytes: &[u8]) -> Result<(), Fault> {
     let (Some(wanted), Ok(known)) = (wanted, skinned_names(bytes)) else { return Ok(()) };
     let Some(name) = wanted.value.0.iter().find(|name| !known.contains(name)) else {
         return Ok(());

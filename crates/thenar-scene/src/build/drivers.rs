@@ -23,12 +23,12 @@ pub struct Driver {
     /// Coupling of the body to the pose.
     pub follow: Follow,
     /// Pose over time.
-    pub track: Track,
+    pub track: PoseTrack,
 }
 
 /// A pose over time.
 #[derive(Clone, Debug)]
-pub enum Track {
+pub enum PoseTrack {
     /// Between keyframes; still before the first and after the last.
     Keys {
         /// Times \[s\], ascending, and poses in the world; at least one.
@@ -57,7 +57,7 @@ pub fn ease(interpolation: InterpolationWord, u: f64, span: f64) -> (f64, f64) {
     }
 }
 
-impl Track {
+impl PoseTrack {
     /// Pose and velocity, linear \[m/s\] and angular \[rad/s\], at time `t` \[s\].
     pub fn at(&self, t: f64) -> (Pose, [Vec3; 2]) {
         let still = [Vec3::zeros(); 2];
@@ -139,7 +139,7 @@ pub fn settings(table: &DriveTable) -> Drive {
 }
 
 /// Keyframes place the frame M that the body's shape was drawn in, as its start pose does.
-fn track(rigid: &Rigid, follow: Follow, start: &Pose, pose_MB: &Pose) -> Result<Track, Fault> {
+fn track(rigid: &Rigid, follow: Follow, start: &Pose, pose_MB: &Pose) -> Result<PoseTrack, Fault> {
     let mut keys: Vec<(f64, Pose)> = Vec::new();
     for key in &rigid.keyframes {
         let before = keys.last().map_or(*start, |k| k.1);
@@ -157,12 +157,12 @@ fn track(rigid: &Rigid, follow: Follow, start: &Pose, pose_MB: &Pose) -> Result<
     let start = *start * *pose_MB;
     match (keys.is_empty(), follow) {
         (true, Follow::Exactly) => {
-            Ok(Track::Constant { start, velocity: [rigid.velocity, rigid.angular_velocity] })
+            Ok(PoseTrack::Constant { start, velocity: [rigid.velocity, rigid.angular_velocity] })
         }
         (true, Follow::BySpring) => {
-            Ok(Track::Keys { keys: vec![(0.0, start)], interpolation: rigid.interpolation })
+            Ok(PoseTrack::Keys { keys: vec![(0.0, start)], interpolation: rigid.interpolation })
         }
-        (false, _) => Ok(Track::Keys { keys, interpolation: rigid.interpolation }),
+        (false, _) => Ok(PoseTrack::Keys { keys, interpolation: rigid.interpolation }),
     }
 }
 
@@ -179,7 +179,7 @@ mod tests {
             (1.5, Pose::new(Vec3::new(0.0, 2.0, 0.0), turned)),
         ];
         for interpolation in [InterpolationWord::Smooth, InterpolationWord::Linear] {
-            let track = Track::Keys { keys: keys.clone(), interpolation };
+            let track = PoseTrack::Keys { keys: keys.clone(), interpolation };
             for t in [0.6, 0.9, 1.2, 1.45] {
                 let (_, [v, w]) = track.at(t);
                 let e = 1e-6;

@@ -1,16 +1,16 @@
 //! Figures: flesh on any tree of bones.
 
-use super::drivers::{Driver, Follow, Track};
+use super::drivers::{Driver, Follow, PoseTrack};
 use super::figure_motors::{motors, trains};
-use super::hand::soften;
+use super::hand::apply_material;
 use super::joint::kind;
 use super::motor::Motor;
 use super::soft::{group_elements, skinning};
 use super::solver::set;
-use super::{Built, Files, Mesh, RigidLook, SoftBuild, Train, assets, place};
+use super::{Built, Files, Mesh, RigidAppearance, SoftBuild, Train, assets, place};
 use crate::format::{BonesWord, Figure, FigureJoint, FigureJointsFile, FigureKey, RootWord, Scene};
 use crate::math::Pose;
-use crate::text::{At, Fault, Node, SceneError, nearest, parse};
+use crate::text::{Fault, Located, Node, SceneError, nearest, parse};
 use std::path::Path;
 use thenar_core::kinematics::{Tree, joint_rotation};
 use thenar_core::model::{
@@ -67,7 +67,7 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
     if is_built {
         built.memory.take_tets(model.flesh.tets.len() as u64, at)?;
     }
-    soften(&mut model.flesh, figure.material.as_ref(), false)?;
+    apply_material(&mut model.flesh, figure.material.as_ref(), false)?;
     built.memory.take_relaxation(&model.flesh.relaxation, at)?;
     set(&mut model.flesh.friction, figure.friction);
     let stiffness = figure.coupling_stiffness.unwrap_or_else(|| usual_coupling_stiffness(&model));
@@ -97,7 +97,7 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
         let name = built.world.rigids[i as usize].name.clone();
         built.names.add_bone(&name, i);
         // Bones lie in the flesh, which is drawn.
-        built.looks.push(RigidLook {
+        built.looks.push(RigidAppearance {
             colour: figure.colour,
             mesh: None,
             pose_MB: Pose::identity(),
@@ -250,7 +250,7 @@ fn check_keys(figure: &Figure) -> Result<(), Fault> {
         return Err(key.fault("expected a later `time` than that of the key before"));
     }
     let placed =
-        |key: &&At<FigureKey>| key.value.position.is_some() || key.value.rotation.is_some();
+        |key: &&Located<FigureKey>| key.value.position.is_some() || key.value.rotation.is_some();
     match figure.key.iter().find(placed) {
         Some(key) if figure.root != RootWord::Scripted => {
             Err(key.fault("only a scripted root is where keys say: set root = \"scripted\""))
@@ -284,7 +284,7 @@ fn follow_root(built: &mut Built, f: usize, figure: &Figure) -> Result<(), Fault
     if keys.first().is_none_or(|key| key.0 > 0.0) {
         keys.insert(0, (0.0, placed * pose_MB));
     }
-    let track = Track::Keys { keys, interpolation: figure.interpolation };
+    let track = PoseTrack::Keys { keys, interpolation: figure.interpolation };
     built.drivers.push(Driver { rigid: root, follow: Follow::Exactly, track });
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! Motors of a figure.
 
 use super::figure::BuiltFigure;
-use super::motor::{Course, Motor};
-use super::{Built, Track, Train};
+use super::motor::{JointTrack, Motor};
+use super::{Built, PoseTrack, Train};
 use crate::format::{AnglesDeg, Figure};
 use crate::math::{Pose, Quat, Vec3};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_core::model::{HandModel, JointDesc, JointKind};
 use thenar_rig::figure::Mimic;
 
@@ -35,8 +35,13 @@ pub fn motors(built: &Built, f: usize, figure: &Figure) -> Result<Vec<Motor>, Fa
             )));
         }
         let rest = joint.axes.map(|axis| axis.rest_angle);
-        let course = course(joint.kind, &keys, rest, figure);
-        motors.push(Motor { joint: handle.joints.start + j as u32, course, torque_max, in_train });
+        let joint_track = joint_track(joint.kind, &keys, rest, figure);
+        motors.push(Motor {
+            joint: handle.joints.start + j as u32,
+            joint_track,
+            torque_max,
+            in_train,
+        });
     }
     Ok(motors)
 }
@@ -120,7 +125,12 @@ fn laws_from(mimics: &[Mimic], leader: (u32, u8)) -> Vec<Vec<Mimic>> {
 }
 
 /// Course on which keys lead a joint; without any it stays where its spring is relaxed.
-fn course(kind: JointKind, keys: &[(f64, Vec<f64>)], rest: [f64; 2], figure: &Figure) -> Course {
+fn joint_track(
+    kind: JointKind,
+    keys: &[(f64, Vec<f64>)],
+    rest: [f64; 2],
+    figure: &Figure,
+) -> JointTrack {
     let interpolation = figure.interpolation;
     let at = |angles: &[f64], k: usize| angles.get(k).copied().unwrap_or(0.0);
     if kind == JointKind::Ball {
@@ -130,14 +140,14 @@ fn course(kind: JointKind, keys: &[(f64, Vec<f64>)], rest: [f64; 2], figure: &Fi
         if keys.is_empty() {
             keys.push((0.0, Pose::identity()));
         }
-        return Course::Rotation(Track::Keys { keys, interpolation });
+        return JointTrack::Rotation(PoseTrack::Keys { keys, interpolation });
     }
     let mut keys: Vec<(f64, [f64; 2])> =
         keys.iter().map(|(t, a)| (*t, [at(a, 0), at(a, 1)])).collect();
     if keys.is_empty() {
         keys.push((0.0, rest));
     }
-    Course::Angles { keys, interpolation }
+    JointTrack::Angles { keys, interpolation }
 }
 
 fn fits(pattern: &str, name: &str) -> bool {
@@ -148,7 +158,7 @@ fn fits(pattern: &str, name: &str) -> bool {
 }
 
 /// Joints that a name fits, by their own name or that of their bone.
-fn joints_like<T>(model: &HandModel, name: &str, at: &At<T>) -> Result<Vec<usize>, Fault> {
+fn joints_like<T>(model: &HandModel, name: &str, at: &Located<T>) -> Result<Vec<usize>, Fault> {
     let joints = model.joints.iter().enumerate();
     let found: Vec<usize> = joints
         .filter(|(_, j)| fits(name, &j.name) || fits(name, &model.bones[j.child as usize].name))
@@ -166,7 +176,7 @@ fn joints_like<T>(model: &HandModel, name: &str, at: &At<T>) -> Result<Vec<usize
 }
 
 /// Checks that there are as many angles as the joint has, within its range.
-fn check_angles(joint: &JointDesc, angles: &At<AnglesDeg>) -> Result<(), Fault> {
+fn check_angles(joint: &JointDesc, angles: &Located<AnglesDeg>) -> Result<(), Fault> {
     let JointDesc { name, kind, .. } = joint;
     let wanted = if *kind == JointKind::Ball { 3 } else { kind.angles() };
     let got = angles.value.0.len();

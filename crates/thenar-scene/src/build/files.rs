@@ -1,6 +1,6 @@
 //! Paths of the files that a scene names.
 
-use crate::text::At;
+use crate::text::Located;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ impl Files {
     }
 
     /// The path of what a scene calls `file`.
-    pub(super) fn path(&self, file: &At<String>) -> PathBuf {
+    pub(super) fn path(&self, file: &Located<String>) -> PathBuf {
         let moved = self.moved.get(&file.value).cloned();
         let path = moved.unwrap_or_else(|| self.folder.join(&file.value));
         self.used.borrow_mut().insert(file.value.clone(), path.clone());

@@ -3,7 +3,7 @@
 use super::Built;
 use crate::format::{GripTable, GripWord, Hand, Scene};
 use crate::grip::{GripHand, GripKind, Order, usual_force};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_core::model::BodyId;
 use thenar_core::shape::Shape;
 
@@ -22,7 +22,12 @@ pub fn add_all(built: &mut Built, scene: &Scene) -> Result<(), Fault> {
     Ok(())
 }
 
-fn grips(built: &Built, k: usize, table: &Hand, first: &At<GripTable>) -> Result<GripHand, Fault> {
+fn grips(
+    built: &Built,
+    k: usize,
+    table: &Hand,
+    first: &Located<GripTable>,
+) -> Result<GripHand, Fault> {
     let hand = &built.hands[k];
     if !hand.driven {
         return Err(first.fault("a hand with `driven = false` grips nothing"));
@@ -82,7 +87,7 @@ fn grips(built: &Built, k: usize, table: &Hand, first: &At<GripTable>) -> Result
 }
 
 /// Refuses what cannot be gripped whatever its size.
-fn grippable(built: &Built, k: usize, name: &At<String>, body: BodyId) -> Result<(), Fault> {
+fn grippable(built: &Built, k: usize, name: &Located<String>, body: BodyId) -> Result<(), Fault> {
     let hand = &built.hands[k];
     let own = match body {
         BodyId::Rigid(i) => hand.handle.bones.contains(&i),

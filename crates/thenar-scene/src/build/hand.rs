@@ -3,7 +3,7 @@
 use super::soft::{damped_once, group_elements, law, relaxation, skinning};
 use super::solver::set;
 use super::{
-    Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place, pose_offsets,
+    Built, Files, Mesh, RigidAppearance, assets, drivers, hand_joints, motion, place, pose_offsets,
     preset, tissue,
 };
 use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, PresetWord, Scene};
@@ -122,7 +122,7 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
     }
     let modulus = |flesh: &Flesh| flesh.materials.iter().map(|m| m.young).fold(0.0, f64::max);
     let before = modulus(&model.flesh);
-    soften(&mut model.flesh, hand.material.as_ref(), tissue::is_layered(hand))?;
+    apply_material(&mut model.flesh, hand.material.as_ref(), tissue::is_layered(hand))?;
     let softer = modulus(&model.flesh) / before.max(f64::MIN_POSITIVE);
     model.bending.iter_mut().for_each(|f| *f *= softer);
     built.memory.take_relaxation(&model.flesh.relaxation, at)?;
@@ -180,7 +180,11 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
     for i in handle.bones.clone() {
         let name = built.world.rigids[i as usize].name.clone();
         built.names.add_bone(&name, i);
-        built.looks.push(RigidLook { colour: hand.colour, mesh: None, pose_MB: Pose::identity() });
+        built.looks.push(RigidAppearance {
+            colour: hand.colour,
+            mesh: None,
+            pose_MB: Pose::identity(),
+        });
     }
     for j in handle.joints.clone() {
         let name = built.world.joints[j as usize].name.clone();
@@ -230,7 +234,7 @@ fn coupling(hand: &Hand, model: &HandModel) -> Result<CouplingKind, Fault> {
 /// Changes the flesh as the scene says. A model's elements differ in modulus and density by how
 /// much of the body they hold: a change of the largest scales them all. What lies under layers was
 /// given its modulus, ratio and law when it was built.
-pub(super) fn soften(
+pub(super) fn apply_material(
     flesh: &mut Flesh,
     table: Option<&HandMaterial>,
     layered: bool,

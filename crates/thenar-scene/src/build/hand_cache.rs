@@ -14,7 +14,7 @@ use thenar_rig::hand::{HandOptions, build_hand, sculpted_offsets};
 
 /// Hands kept: two of each of four scenes. One of 12 thousand tetrahedra has a file of some
 /// megabytes.
-const KEPT: usize = 8;
+const CAPACITY: usize = 8;
 
 /// The source of a hand.
 #[derive(Clone, PartialEq)]
@@ -41,7 +41,7 @@ pub fn hand_of(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigErro
             let mut built = built();
             // Another thread may have built it, too.
             built.retain(|(key, _)| *key != source);
-            built.truncate(KEPT - 1);
+            built.truncate(CAPACITY - 1);
             built.push_front((source, hand.clone()));
             hand
         }
@@ -80,9 +80,9 @@ fn stored_or_built(source: &Source, options: &HandOptions) -> Result<HandModel, 
 const OFFSETS_KEPT: usize = 4;
 
 /// Offsets that were measured before on the flesh of a hand.
-type Known = (String, Vec<PoseOffsets>);
+type MeasuredOffsets = (String, Vec<PoseOffsets>);
 
-static OFFSETS: Mutex<VecDeque<Known>> = Mutex::new(VecDeque::new());
+static OFFSETS: Mutex<VecDeque<MeasuredOffsets>> = Mutex::new(VecDeque::new());
 
 /// [`sculpted_offsets`], or what that gave for the same hand before. A hand is known here by all
 /// that is written of its skeleton, its flesh and what binds the two.
@@ -132,11 +132,11 @@ mod tests {
         assert!(hand_of(&bytes[..1000], &options(60, "a")).is_err());
         // What is used stays, however many others are asked for.
         let source = Source { bytes: bytes.to_vec(), options: format!("{:?}", options(60, "")) };
-        for tets in (0..KEPT).map(|k| 100 + 10 * k) {
+        for tets in (0..CAPACITY).map(|k| 100 + 10 * k) {
             hand_of(bytes, &options(tets, "a")).unwrap();
             assert!(recall(&source).is_some());
         }
-        assert!(BUILT.lock().unwrap().len() <= KEPT);
+        assert!(BUILT.lock().unwrap().len() <= CAPACITY);
         let fresh = build_hand(bytes, &options(60, "a")).unwrap();
         assert_eq!(hand_of(bytes, &options(60, "a")).unwrap().flesh.nodes, fresh.flesh.nodes);
     }

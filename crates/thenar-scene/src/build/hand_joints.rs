@@ -3,7 +3,7 @@
 use super::solver::set;
 use crate::format::{HandAxis, HandJoint, HandJointsFile, JointName};
 use crate::motion::{Anatomy, Articulation};
-use crate::text::{At, Fault, Node, SceneError, parse};
+use crate::text::{Fault, Located, Node, SceneError, parse};
 use std::path::Path;
 use thenar_core::model::{AngleLimit, Axis, HandModel};
 
@@ -57,7 +57,7 @@ pub fn change(model: &mut HandModel, tables: &[HandJoint]) -> Result<(), Fault> 
 }
 
 /// The joints that fit a name; with a `*` at the end, all that begin so.
-fn joints_like(anatomy: &Anatomy, name: &At<JointName>) -> Result<Vec<usize>, Fault> {
+fn joints_like(anatomy: &Anatomy, name: &Located<JointName>) -> Result<Vec<usize>, Fault> {
     let wanted = &name.value.0;
     let fits = |known: &str| match wanted.strip_suffix('*') {
         Some(start) => known.starts_with(start),

@@ -17,13 +17,13 @@ use thenar_record::Build;
 use thenar_rig::Model;
 
 /// Hands kept in a folder. One of the default size has a file of less than a megabyte.
-const KEPT: usize = 24;
+const CAPACITY: usize = 24;
 /// Larger files are no hand's \[bytes\].
 const FILE_BYTES_MAX: u64 = 256 << 20;
 const ENDING: &str = "hand";
 /// Ending of files that are being written.
-const DRAFT: &str = "part";
-/// Nobody still writes a draft of this age.
+const PARTIAL_ENDING: &str = "part";
+/// Nobody still writes a partial file of this age.
 const DAY: Duration = Duration::from_secs(86_400);
 
 static FOLDER: OnceLock<PathBuf> = OnceLock::new();
@@ -95,15 +95,15 @@ impl Store<'_> {
         (self.folder.join(name), key)
     }
 
-    /// Removes hands that were not used for longest, and drafts that nobody finished.
+    /// Removes hands that were not used for longest, and partial files that nobody finished.
     fn forget_oldest(&self) {
         let mut hands = self.files(ENDING);
         hands.sort();
-        hands.truncate(hands.len().saturating_sub(KEPT));
-        let mut drafts = self.files(DRAFT);
+        hands.truncate(hands.len().saturating_sub(CAPACITY));
+        let mut partial_files = self.files(PARTIAL_ENDING);
         let is_left = |at: &SystemTime| at.elapsed().is_ok_and(|age| age > DAY);
-        drafts.retain(|(at, _)| is_left(at));
-        for (_, path) in hands.into_iter().chain(drafts) {
+        partial_files.retain(|(at, _)| is_left(at));
+        for (_, path) in hands.into_iter().chain(partial_files) {
             // Another program may have been quicker.
             let _ = fs::remove_file(path);
         }
@@ -234,7 +234,7 @@ mod tests {
             let file = File::options().append(true).open(store.entry(&of(k)).0).unwrap();
             file.set_modified(SystemTime::now() - Duration::from_secs(seconds)).unwrap();
         };
-        for k in 0..KEPT {
+        for k in 0..CAPACITY {
             store.write(&of(k), &hand);
             age(k, 1000 - k as u64);
         }
@@ -244,11 +244,11 @@ mod tests {
             file.set_modified(SystemTime::now() - Duration::from_secs(seconds)).unwrap();
         }
         assert!(store.read(&of(0)).is_some());
-        store.write(&of(KEPT), &hand);
-        assert_eq!(folder.files().len(), KEPT + 2, "the letter and what is being written stay");
+        store.write(&of(CAPACITY), &hand);
+        assert_eq!(folder.files().len(), CAPACITY + 2, "the letter and what is being written stay");
         assert!(folder.0.join("new.hand.1.part").exists());
         // The first was used since; the second is the oldest now.
         let there = |k: usize| store.read(&of(k)).is_some();
-        assert_eq!([0, 1, 2, KEPT].map(there), [true, false, true, true]);
+        assert_eq!([0, 1, 2, CAPACITY].map(there), [true, false, true, true]);
     }
 }

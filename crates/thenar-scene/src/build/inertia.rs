@@ -1,7 +1,7 @@
 //! Mass and inertia of rigid bodies.
 
 use crate::math::{Mat3, Vec3};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use std::f64::consts::PI;
 use thenar_core::shape::Shape;
 
@@ -60,7 +60,7 @@ fn of_capsule(r: f64, h: f64) -> (f64, Mat3) {
 }
 
 /// The matrix that three or six numbers describe.
-pub fn from_numbers(numbers: &At<Vec<f64>>) -> Result<Mat3, Fault> {
+pub fn from_numbers(numbers: &Located<Vec<f64>>) -> Result<Mat3, Fault> {
     let n = &numbers.value;
     let (d, p) = match n.len() {
         3 => (&n[..3], [0.0; 3]),
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn impossible_inertias_are_refused() {
-        let at = |v: &[f64]| At {
+        let at = |v: &[f64]| Located {
             value: v.to_vec(),
             place: SourcePlace::Text(0..0),
             key: "inertia".into(),

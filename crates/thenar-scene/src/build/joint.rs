@@ -3,7 +3,7 @@
 use super::{Built, place};
 use crate::format::{Joint, JointWord, Scene};
 use crate::math::{Pose, Quat, Vec3};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_core::kinematics::{joint_rotation, joint_spin};
 use thenar_core::model::{AngleLimit, Axis, JointDesc, JointKind};
 
@@ -127,14 +127,14 @@ fn world_frame(joint: &Joint, pose_WC: &Pose) -> Result<Pose, Fault> {
 }
 
 /// One number for each angle of the joint; nothing given is zero.
-fn per_axis(list: &At<Vec<f64>>, kind: JointKind, what: &str) -> Result<[f64; 2], Fault> {
+fn per_axis(list: &Located<Vec<f64>>, kind: JointKind, what: &str) -> Result<[f64; 2], Fault> {
     check_count(list, kind.angles(), kind, what)?;
     let at = |k: usize| list.value.get(k).copied().unwrap_or(0.0);
     Ok([at(0), at(1)])
 }
 
 fn check_count<T>(
-    list: &At<Vec<T>>,
+    list: &Located<Vec<T>>,
     count: usize,
     kind: JointKind,
     what: &str,

@@ -4,7 +4,7 @@ use super::assets::unit;
 use crate::format::{LatticeShape, SplitWord};
 use crate::math::Vec3;
 use crate::session::Random;
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_rig::object::{Cubes, SoftModel, SoftOptions, graded_block};
 
 /// Most cells of a lattice.
@@ -14,7 +14,7 @@ const CELLS_MAX: usize = 200_000;
 ///
 /// # Errors
 /// It is not clear what is wanted, or it is too large.
-pub fn build(shape: &LatticeShape, at: &At<impl Sized>) -> Result<SoftModel, Fault> {
+pub fn build(shape: &LatticeShape, at: &Located<impl Sized>) -> Result<SoftModel, Fault> {
     let planes = planes(shape, at)?;
     let cells = planes.each_ref().map(|p| p.len() - 1);
     if cells.iter().product::<usize>() > CELLS_MAX {
@@ -33,7 +33,7 @@ pub fn build(shape: &LatticeShape, at: &At<impl Sized>) -> Result<SoftModel, Fau
     Ok(model)
 }
 
-fn planes(shape: &LatticeShape, at: &At<impl Sized>) -> Result<[Vec<f64>; 3], Fault> {
+fn planes(shape: &LatticeShape, at: &Located<impl Sized>) -> Result<[Vec<f64>; 3], Fault> {
     match (&shape.size, &shape.cells, &shape.coordinates) {
         (Some(size), Some(cells), None) => Ok([0, 1, 2].map(|k| {
             let n = f64::from(cells[k]);
@@ -93,7 +93,7 @@ mod tests {
                 jitter: 0.0,
                 seed,
             };
-            let at = At { value: (), place: SourcePlace::Text(0..0), key: String::new() };
+            let at = Located { value: (), place: SourcePlace::Text(0..0), key: String::new() };
             let regular = build(&shape, &at).unwrap().flesh;
             shape.jitter = 0.15;
             let moved = build(&shape, &at).unwrap().flesh;

@@ -180,7 +180,7 @@ fn node_forces(built: &Built, load: &NodeForceLoad) -> Result<LoadKind, Fault> {
 fn placed_faces(
     built: &Built,
     soft: u32,
-    faces: &crate::text::At<crate::format::Selector>,
+    faces: &crate::text::Located<crate::format::Selector>,
 ) -> Result<Vec<(Face, [Vec3; 3])>, Fault> {
     let mesh = &built.meshes[soft as usize];
     let pose_WM = built.world.softs[soft as usize].pose_WM;

@@ -31,7 +31,7 @@ mod solver;
 mod tissue;
 mod train;
 
-pub use drivers::{Driver, Follow, Track};
+pub use drivers::{Driver, Follow, PoseTrack};
 pub use figure::{BuiltFigure, figure_joints};
 pub use files::Files;
 pub use hand::{BuiltHand, HandParts};
@@ -42,7 +42,7 @@ pub use memory::{BODIES_BYTES_MAX, Memory, TET_BYTES};
 pub use motor::Motor;
 pub use names::Names;
 pub use preset::{USUAL as USUAL_PRESET, is_papers_by_solver, preset};
-pub use rigid::RigidLook;
+pub use rigid::RigidAppearance;
 pub use select::{Face, Mesh};
 pub use soft::SoftBuild;
 pub use train::Train;
@@ -82,7 +82,7 @@ pub struct Built {
     /// Memory that the bodies take.
     pub memory: Memory,
     /// Appearance of rigid bodies, one entry per rigid body of the world.
-    pub looks: Vec<RigidLook>,
+    pub looks: Vec<RigidAppearance>,
     /// Grips of hands, one entry per hand; `None` for those whose scene asks for nothing.
     pub grips: Vec<Option<Box<GripHand>>>,
 }

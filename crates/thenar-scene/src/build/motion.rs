@@ -11,7 +11,7 @@ use crate::motion::{
     FitError, HandMotion, JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, MotionError,
     Preset, Recorded, RecordedDesc, Recording, WristKey,
 };
-use crate::text::{At, Fault, Node, parse};
+use crate::text::{Fault, Located, Node, parse};
 use std::collections::BTreeMap;
 use thenar_core::model::{Digit, HandModel, Side};
 
@@ -20,7 +20,7 @@ const KEYFRAMES_BYTES_MAX: u64 = 4 << 20;
 
 /// Loads a motion for a hand that starts at `pose_WM` where the motion does not say.
 pub fn load(
-    table: &At<MotionTable>,
+    table: &Located<MotionTable>,
     hand: &HandModel,
     pose_WM: &Pose,
     files: &Files,
@@ -51,7 +51,7 @@ pub fn load(
 
 fn recorded(
     desc: &RecordedDesc,
-    file: &At<String>,
+    file: &Located<String>,
     hand: &HandModel,
     files: &Files,
 ) -> Result<HandMotion, Fault> {

@@ -1,6 +1,6 @@
 //! Motors of joints: springs whose rest moves, up to a torque.
 
-use super::Track;
+use super::PoseTrack;
 use super::drivers::ease;
 use crate::format::InterpolationWord;
 use crate::math::{Quat, Vec3};
@@ -15,7 +15,7 @@ pub struct Motor {
     /// Index of the joint.
     pub joint: u32,
     /// Target of the joint over time.
-    pub course: Course,
+    pub joint_track: JointTrack,
     /// Largest torque of spring and damper about each axis \[N m\]; of a ball about any.
     pub torque_max: Option<f64>,
     /// Axes that a train leads instead ([`super::Train`]).
@@ -24,7 +24,7 @@ pub struct Motor {
 
 /// A joint's target over time.
 #[derive(Clone, Debug)]
-pub enum Course {
+pub enum JointTrack {
     /// Angles \[rad\] between keys, of hinges and universal joints.
     Angles {
         /// Times \[s\], ascending, and angles; at least one.
@@ -33,18 +33,18 @@ pub enum Course {
         interpolation: InterpolationWord,
     },
     /// Rotation of a ball.
-    Rotation(Track),
+    Rotation(PoseTrack),
 }
 
 impl Motor {
     /// Returns the joint's target at time `t` \[s\], whatever the motor's strength.
     pub fn wanted(&self, t: f64) -> JointTarget {
-        match &self.course {
-            Course::Angles { keys, interpolation } => {
+        match &self.joint_track {
+            JointTrack::Angles { keys, interpolation } => {
                 let (angles, rates) = angles_at(keys, *interpolation, t);
                 JointTarget { angles, rates, ..JointTarget::default() }
             }
-            Course::Rotation(track) => {
+            JointTrack::Rotation(track) => {
                 let (pose, [_, spin_J]) = track.at(t);
                 JointTarget { rotation_JK: pose.rotation, spin_J, ..JointTarget::default() }
             }

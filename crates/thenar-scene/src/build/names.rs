@@ -1,6 +1,6 @@
 //! Names of bodies and joints, and what they stand for.
 
-use crate::text::{At, Fault, nearest};
+use crate::text::{Fault, Located, nearest};
 use std::collections::BTreeMap;
 use thenar_core::model::BodyId;
 
@@ -18,7 +18,7 @@ impl Names {
     ///
     /// # Errors
     /// The name is taken, or not a name.
-    pub fn add_rigid(&mut self, name: &At<String>, index: u32) -> Result<(), Fault> {
+    pub fn add_rigid(&mut self, name: &Located<String>, index: u32) -> Result<(), Fault> {
         self.free(name)?;
         self.rigids.insert(name.value.clone(), index);
         Ok(())
@@ -28,7 +28,7 @@ impl Names {
     ///
     /// # Errors
     /// The name is taken, or not a name.
-    pub fn add_soft(&mut self, name: &At<String>, index: u32) -> Result<(), Fault> {
+    pub fn add_soft(&mut self, name: &Located<String>, index: u32) -> Result<(), Fault> {
         self.free(name)?;
         self.softs.insert(name.value.clone(), index);
         Ok(())
@@ -38,7 +38,7 @@ impl Names {
     ///
     /// # Errors
     /// The name is taken, or not a name.
-    pub fn add_hand(&mut self, name: &At<String>, index: u32) -> Result<(), Fault> {
+    pub fn add_hand(&mut self, name: &Located<String>, index: u32) -> Result<(), Fault> {
         self.free(name)?;
         self.hands.insert(name.value.clone(), index);
         Ok(())
@@ -63,7 +63,7 @@ impl Names {
     ///
     /// # Errors
     /// The name is taken, or not a name.
-    pub fn add_joint(&mut self, name: &At<String>, index: u32) -> Result<(), Fault> {
+    pub fn add_joint(&mut self, name: &Located<String>, index: u32) -> Result<(), Fault> {
         check_word(name)?;
         match self.joints.insert(name.value.clone(), index) {
             None => Ok(()),
@@ -71,7 +71,7 @@ impl Names {
         }
     }
 
-    fn free(&self, name: &At<String>) -> Result<(), Fault> {
+    fn free(&self, name: &Located<String>) -> Result<(), Fault> {
         check_word(name)?;
         let taken = [&self.rigids, &self.softs, &self.hands]
             .iter()
@@ -86,7 +86,7 @@ impl Names {
     ///
     /// # Errors
     /// There is none of that name.
-    pub fn rigid(&self, name: &At<String>) -> Result<u32, Fault> {
+    pub fn rigid(&self, name: &Located<String>) -> Result<u32, Fault> {
         find(&self.rigids, name, "rigid body")
     }
 
@@ -94,7 +94,7 @@ impl Names {
     ///
     /// # Errors
     /// There is none of that name.
-    pub fn soft(&self, name: &At<String>) -> Result<u32, Fault> {
+    pub fn soft(&self, name: &Located<String>) -> Result<u32, Fault> {
         find(&self.softs, name, "soft body or hand")
     }
 
@@ -102,7 +102,7 @@ impl Names {
     ///
     /// # Errors
     /// There is none of that name.
-    pub fn joint(&self, name: &At<String>) -> Result<u32, Fault> {
+    pub fn joint(&self, name: &Located<String>) -> Result<u32, Fault> {
         find(&self.joints, name, "joint")
     }
 
@@ -110,7 +110,7 @@ impl Names {
     ///
     /// # Errors
     /// There is none of that name.
-    pub fn hand(&self, name: &At<String>) -> Result<u32, Fault> {
+    pub fn hand(&self, name: &Located<String>) -> Result<u32, Fault> {
         find(&self.hands, name, "hand")
     }
 
@@ -118,7 +118,7 @@ impl Names {
     ///
     /// # Errors
     /// There is none of that name.
-    pub fn body(&self, name: &At<String>) -> Result<BodyId, Fault> {
+    pub fn body(&self, name: &Located<String>) -> Result<BodyId, Fault> {
         if let Some(i) = self.rigids.get(&name.value) {
             return Ok(BodyId::Rigid(*i));
         }
@@ -133,7 +133,7 @@ impl Names {
     ///
     /// # Errors
     /// None does.
-    pub fn joints_like(&self, names: &At<Vec<String>>) -> Result<Vec<u32>, Fault> {
+    pub fn joints_like(&self, names: &Located<Vec<String>>) -> Result<Vec<u32>, Fault> {
         matching(&self.joints, names, "joint")
     }
 
@@ -141,15 +141,15 @@ impl Names {
     ///
     /// # Errors
     /// None does.
-    pub fn bodies_like(&self, names: &At<Vec<String>>) -> Result<Vec<BodyId>, Fault> {
+    pub fn bodies_like(&self, names: &Located<Vec<String>>) -> Result<Vec<BodyId>, Fault> {
         let mut found = Vec::new();
         for name in &names.value {
             let one =
-                At { value: name.clone(), place: names.place.clone(), key: names.key.clone() };
+                Located { value: name.clone(), place: names.place.clone(), key: names.key.clone() };
             match name.strip_suffix('*') {
                 None => found.push(self.body(&one)?),
                 Some(_) => {
-                    let list = At { value: vec![name.clone()], ..names.clone() };
+                    let list = Located { value: vec![name.clone()], ..names.clone() };
                     let bones = matching(&self.rigids, &list, "rigid body")?;
                     found.extend(bones.into_iter().map(BodyId::Rigid));
                 }
@@ -161,7 +161,7 @@ impl Names {
     }
 }
 
-fn check_word(name: &At<String>) -> Result<(), Fault> {
+fn check_word(name: &Located<String>) -> Result<(), Fault> {
     let fine = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
     match name.value.chars().all(fine) && name.value.len() <= 64 {
         true => Ok(()),
@@ -172,13 +172,13 @@ fn check_word(name: &At<String>) -> Result<(), Fault> {
     }
 }
 
-fn find(names: &BTreeMap<String, u32>, name: &At<String>, kind: &str) -> Result<u32, Fault> {
+fn find(names: &BTreeMap<String, u32>, name: &Located<String>, kind: &str) -> Result<u32, Fault> {
     names.get(&name.value).copied().ok_or_else(|| missing(name, kind, names.keys()))
 }
 
 fn matching(
     names: &BTreeMap<String, u32>,
-    patterns: &At<Vec<String>>,
+    patterns: &Located<Vec<String>>,
     kind: &str,
 ) -> Result<Vec<u32>, Fault> {
     let mut found = Vec::new();
@@ -191,7 +191,7 @@ fn matching(
             None => found.extend(names.get(pattern)),
         }
         if found.len() == before {
-            let one = At {
+            let one = Located {
                 value: pattern.clone(),
                 place: patterns.place.clone(),
                 key: patterns.key.clone(),
@@ -205,7 +205,7 @@ fn matching(
 }
 
 fn missing<'a>(
-    name: &At<String>,
+    name: &Located<String>,
     kind: &str,
     known: impl Iterator<Item = &'a String> + Clone,
 ) -> Fault {

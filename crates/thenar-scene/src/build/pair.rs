@@ -2,7 +2,7 @@
 
 use super::Built;
 use crate::format::{PairFriction, Scene};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_core::model::{BodyId, FrictionTable, PairRule};
 
 /// Adds all pairs.
@@ -46,7 +46,7 @@ pub fn add_all(built: &mut Built, scene: &Scene) -> Result<(), Fault> {
     Ok(())
 }
 
-fn check_points(points: &At<Vec<[f64; 2]>>) -> Result<(), Fault> {
+fn check_points(points: &Located<Vec<[f64; 2]>>) -> Result<(), Fault> {
     let list = &points.value;
     if list.is_empty() {
         return Err(points.fault("expected at least one [load, coefficient]"));

@@ -2,11 +2,11 @@
 
 use crate::format::{Placement, Rotation};
 use crate::math::{Mat3, Pose, Quat, Vec3};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_core::math::Mat3 as M3;
 
 /// The rotation that a table describes; none when there is no table.
-pub fn rotation(table: Option<&At<Rotation>>) -> Result<Quat, Fault> {
+pub fn rotation(table: Option<&Located<Rotation>>) -> Result<Quat, Fault> {
     let Some(at) = table else { return Ok(Quat::identity()) };
     let r = &at.value;
     let euler = match (r.euler, r.euler_deg) {

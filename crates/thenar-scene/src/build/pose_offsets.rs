@@ -2,7 +2,7 @@
 
 use super::{Built, Mesh, hand_cache, place};
 use crate::format::{Bind, Hand, Soft};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use std::collections::BTreeMap;
 use thenar_core::Quat;
 use thenar_core::model::{CouplingKind, HandHandle, HandModel, PoseOffsets, Skinning};
@@ -32,7 +32,8 @@ fn of_bind(built: &Built, bind: &Bind, soft: u32, nodes: Vec<u32>) -> Result<Pos
         return Err(names.fault("`pose_offset` acts between two bones; expected two"));
     };
     let find = |name: &String| {
-        let at = At { value: name.clone(), place: names.place.clone(), key: names.key.clone() };
+        let at =
+            Located { value: name.clone(), place: names.place.clone(), key: names.key.clone() };
         built.names.rigid(&at)
     };
     let both = [find(a)?, find(b)?];

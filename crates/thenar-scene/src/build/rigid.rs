@@ -8,15 +8,15 @@ use crate::text::Fault;
 use thenar_core::model::{Motion, RigidDesc};
 use thenar_core::shape::Shape;
 use thenar_rig::TriMesh;
-use thenar_rig::object::{Car, Paint, Weight};
+use thenar_rig::object::{Car, ColourRun, Weight};
 
 /// Appearance of a rigid body.
 #[derive(Clone, Debug)]
-pub struct RigidLook {
+pub struct RigidAppearance {
     /// Red, green, blue from 0 to 1, if the scene says.
     pub colour: Option<[f64; 3]>,
     /// Mesh in the body's frame, with its colours, of a body made from a mesh.
-    pub mesh: Option<(TriMesh, Vec<Paint>)>,
+    pub mesh: Option<(TriMesh, Vec<ColourRun>)>,
     /// The body's frame in the frame M that its shape was drawn in, which the scene places.
     pub pose_MB: Pose,
 }
@@ -33,7 +33,7 @@ pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fa
     Ok(())
 }
 
-fn describe(rigid: &Rigid, files: &Files) -> Result<(RigidDesc, RigidLook), Fault> {
+fn describe(rigid: &Rigid, files: &Files) -> Result<(RigidDesc, RigidAppearance), Fault> {
     let dynamic = rigid.motion == MotionWord::Dynamic;
     let weight = weight(rigid, dynamic)?;
     let solid = rigid.shape.as_ref().map(|s| shape::solid(s, weight.meshes, files)).transpose()?;
@@ -66,18 +66,18 @@ fn describe(rigid: &Rigid, files: &Files) -> Result<(RigidDesc, RigidLook), Faul
         shape: solid.as_ref().map(|s| s.shape.clone()),
         friction: rigid.friction,
     };
-    Ok((desc, RigidLook { colour: rigid.colour, mesh: solid.and_then(|s| s.look), pose_MB }))
+    Ok((desc, RigidAppearance { colour: rigid.colour, mesh: solid.and_then(|s| s.look), pose_MB }))
 }
 
 /// Mass or density of a body, if its table gives them.
-struct Given {
+struct MassSpec {
     mass: Option<f64>,
     density: Option<f64>,
     /// For shapes from meshes, which are weighed when they are made.
     meshes: Weight,
 }
 
-fn weight(rigid: &Rigid, dynamic: bool) -> Result<Given, Fault> {
+fn weight(rigid: &Rigid, dynamic: bool) -> Result<MassSpec, Fault> {
     let (mass, density) = (rigid.mass, rigid.density);
     let built = rigid
         .shape
@@ -101,13 +101,13 @@ fn weight(rigid: &Rigid, dynamic: bool) -> Result<Given, Fault> {
         }
         (None, None) => Weight::Density(1000.0), // does not matter
     };
-    Ok(Given { mass, density, meshes })
+    Ok(MassSpec { mass, density, meshes })
 }
 
 /// Mass and inertia about the centre of mass, in B.
 fn mass(
     rigid: &Rigid,
-    given: &Given,
+    given: &MassSpec,
     solid: Option<&Solid>,
     frame: &Pose,
 ) -> Result<(f64, Mat3), Fault> {

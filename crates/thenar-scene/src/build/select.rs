@@ -2,7 +2,7 @@
 
 use crate::format::{Selector, SideWord};
 use crate::math::Vec3;
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_rig::object::boundary_surface;
 
 /// Nodes of a boundary face, counter-clockwise from outside.
@@ -38,7 +38,7 @@ impl Mesh {
     ///
     /// # Errors
     /// It means none, or names an index that does not exist.
-    pub fn select_nodes(&self, selector: Option<&At<Selector>>) -> Result<Vec<u32>, Fault> {
+    pub fn select_nodes(&self, selector: Option<&Located<Selector>>) -> Result<Vec<u32>, Fault> {
         let Some(at) = selector else { return Ok((0..self.nodes.len() as u32).collect()) };
         self.check_indices(at, self.nodes.len(), "nodes")?;
         let place = |n: &u32| self.nodes[*n as usize];
@@ -54,7 +54,7 @@ impl Mesh {
     ///
     /// # Errors
     /// It means none, or names an index that does not exist.
-    pub fn select_tets(&self, selector: Option<&At<Selector>>) -> Result<Vec<u32>, Fault> {
+    pub fn select_tets(&self, selector: Option<&Located<Selector>>) -> Result<Vec<u32>, Fault> {
         let Some(at) = selector else { return Ok((0..self.tets.len() as u32).collect()) };
         self.check_indices(at, self.tets.len(), "elements")?;
         let centre = |t: &u32| {
@@ -74,7 +74,7 @@ impl Mesh {
     ///
     /// # Errors
     /// It means none, or names an index that does not exist.
-    pub fn select_faces(&self, at: &At<Selector>) -> Result<Vec<Face>, Fault> {
+    pub fn select_faces(&self, at: &Located<Selector>) -> Result<Vec<Face>, Fault> {
         self.check_indices(at, self.faces.len(), "boundary faces")?;
         let inside = |f: &Face| f.iter().all(|n| self.covers(&at.value, &self.nodes[*n as usize]));
         let centre =
@@ -107,7 +107,7 @@ impl Mesh {
         side && above && below && shell
     }
 
-    fn check_indices(&self, at: &At<Selector>, count: usize, what: &str) -> Result<(), Fault> {
+    fn check_indices(&self, at: &Located<Selector>, count: usize, what: &str) -> Result<(), Fault> {
         let beyond = at.value.indices.iter().flatten().find(|i| **i as usize >= count);
         match beyond {
             None => Ok(()),
@@ -138,7 +138,7 @@ fn keep_nearest<T>(chosen: &mut Vec<T>, s: &Selector, place: impl Fn(&T) -> Vec3
     }
 }
 
-fn not_empty<T>(at: &At<Selector>, chosen: Vec<T>, what: &str) -> Result<Vec<T>, Fault> {
+fn not_empty<T>(at: &Located<Selector>, chosen: Vec<T>, what: &str) -> Result<Vec<T>, Fault> {
     match chosen.is_empty() {
         false => Ok(chosen),
         true => Err(at.fault(format!("no {what} fulfil these conditions"))),

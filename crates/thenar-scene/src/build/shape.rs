@@ -4,11 +4,11 @@ use super::Files;
 use super::{assets, inertia, place};
 use crate::format::{CompoundPart, CompoundShape, Shape as Table};
 use crate::math::{Mat3, Pose, Quat, Vec3};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use std::sync::Arc;
 use thenar_core::shape::{PlacedShape, Shape};
 use thenar_rig::TriMesh;
-use thenar_rig::object::{Paint, Weight};
+use thenar_rig::object::{ColourRun, Weight};
 
 /// A shape with what is known of it.
 pub struct Solid {
@@ -23,7 +23,7 @@ pub struct Solid {
     /// Mass \[kg\] and inertia in B, of a mesh.
     pub weighed: Option<(f64, Mat3)>,
     /// A mesh to draw, in B, and its colours.
-    pub look: Option<(TriMesh, Vec<Paint>)>,
+    pub look: Option<(TriMesh, Vec<ColourRun>)>,
 }
 
 impl Solid {
@@ -36,7 +36,7 @@ impl Solid {
 
 /// A part with its volume \[m³\] (of a mesh in units of its mass), centre, and inertia about it at
 /// density 1, both in the compound's frame.
-struct Weighed {
+struct PartMass {
     part: PlacedShape,
     volume: f64,
     centre: Vec3,
@@ -46,7 +46,7 @@ struct Weighed {
 /// Puts parts together about their common centre of mass.
 fn compound(
     table: &CompoundShape,
-    at: &At<Table>,
+    at: &Located<Table>,
     weight: Weight,
     files: &Files,
 ) -> Result<Solid, Fault> {
@@ -67,7 +67,7 @@ fn compound(
         .sum();
     let mass = weight.mass(volume).map_err(|e| at.fault(e.to_string()))?;
     let to_B = Pose::new(-centre, Quat::identity());
-    let placed = |p: Weighed| PlacedShape { pose_SP: to_B * p.part.pose_SP, ..p.part };
+    let placed = |p: PartMass| PlacedShape { pose_SP: to_B * p.part.pose_SP, ..p.part };
     Ok(Solid {
         shape: Shape::Compound(Arc::new(parts.into_iter().map(placed).collect())),
         pose_BS: Pose::identity(),
@@ -78,7 +78,7 @@ fn compound(
     })
 }
 
-fn weighed(part: &CompoundPart, files: &Files) -> Result<Weighed, Fault> {
+fn weighed(part: &CompoundPart, files: &Files) -> Result<PartMass, Fault> {
     let inner = &part.shape;
     if matches!(inner.value, Table::Plane(_) | Table::Car(_) | Table::Compound(_)) {
         return Err(inner.fault("a compound holds no plane, car or compound"));
@@ -89,7 +89,7 @@ fn weighed(part: &CompoundPart, files: &Files) -> Result<Weighed, Fault> {
     };
     let pose = place::frame(part.frame.as_ref())? * made.pose_MB;
     let turn = pose.rotation.to_rotation_matrix().into_inner();
-    Ok(Weighed {
+    Ok(PartMass {
         part: PlacedShape { shape: made.shape, pose_SP: pose * made.pose_BS },
         volume,
         centre: pose.position,
@@ -98,7 +98,7 @@ fn weighed(part: &CompoundPart, files: &Files) -> Result<Weighed, Fault> {
 }
 
 /// Makes the shape that a table describes; a mesh gets `weight`.
-pub fn solid(table: &At<Table>, weight: Weight, files: &Files) -> Result<Solid, Fault> {
+pub fn solid(table: &Located<Table>, weight: Weight, files: &Files) -> Result<Solid, Fault> {
     match &table.value {
         Table::Box(b) => Ok(Solid::primitive(Shape::Cuboid { half: b.size / 2.0 })),
         Table::Sphere(s) => Ok(Solid::primitive(Shape::Sphere { radius: s.radius })),

@@ -7,7 +7,7 @@ use crate::format::{
     SplitWord, Terms,
 };
 use crate::math::{Mat3, Pose, Vec3};
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use std::collections::BTreeMap;
 use thenar_core::model::{
     Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Relaxation, Skinning,
@@ -109,7 +109,7 @@ pub(super) fn tets_wanted(shape: &SoftShape) -> Option<u64> {
     })
 }
 
-fn rest_shape(shape: &At<SoftShape>, files: &Files) -> Result<SoftModel, Fault> {
+fn rest_shape(shape: &Located<SoftShape>, files: &Files) -> Result<SoftModel, Fault> {
     match &shape.value {
         SoftShape::Lattice(s) => lattice::build(s, shape),
         SoftShape::Ball(s) => assets::ball(s, shape),
@@ -121,29 +121,29 @@ fn rest_shape(shape: &At<SoftShape>, files: &Files) -> Result<SoftModel, Fault> 
 }
 
 /// Defaults where a scene does not say.
-struct Usual {
+struct Defaults {
     material: Material,
     mass_damping: f64,
     stiffness_damping: f64,
 }
 
-fn usual(shape: &SoftShape, flesh: &Flesh) -> Usual {
+fn usual(shape: &SoftShape, flesh: &Flesh) -> Defaults {
     match shape {
         // A built model has its own materials: the scene changes them, as a whole.
-        _ if is_built(shape) => Usual {
+        _ if is_built(shape) => Defaults {
             material: stiffest(&flesh.materials),
             mass_damping: flesh.mass_damping,
             stiffness_damping: flesh.stiffness_damping,
         },
         SoftShape::Bread(s) => {
             let loaf = assets::loaf(s);
-            Usual {
+            Defaults {
                 material: loaf.crumb,
                 mass_damping: loaf.options.mass_damping,
                 stiffness_damping: loaf.options.stiffness_damping,
             }
         }
-        _ => Usual {
+        _ => Defaults {
             material: Material {
                 law: Law::Corotational,
                 young: 5e4,
@@ -223,7 +223,11 @@ pub fn material(table: Option<&MaterialTable>, base: Material) -> Result<Materia
 }
 
 /// The law that a table asks for, in the place of `own`.
-pub fn law(word: Option<&At<LawWord>>, alpha: Option<&At<f64>>, own: Law) -> Result<Law, Fault> {
+pub fn law(
+    word: Option<&Located<LawWord>>,
+    alpha: Option<&Located<f64>>,
+    own: Law,
+) -> Result<Law, Fault> {
     let asked = match word.map(|word| word.value) {
         None => own,
         Some(LawWord::Corotational) => Law::Corotational,
@@ -272,12 +276,12 @@ fn remember(flesh: &mut Flesh, soft: &Soft, mesh: &Mesh) -> Result<(), Fault> {
 }
 
 /// The relaxation of a list of terms.
-pub fn relaxation(terms: &At<Terms>) -> Result<Relaxation, Fault> {
+pub fn relaxation(terms: &Located<Terms>) -> Result<Relaxation, Fault> {
     Relaxation::new(&terms.value.0).map_err(|error| terms.fault(error.to_string()))
 }
 
 /// Refuses Rayleigh damping that would act on nothing.
-pub fn damped_once(terms: &At<Terms>, stiffness_damping: Option<f64>) -> Result<(), Fault> {
+pub fn damped_once(terms: &Located<Terms>, stiffness_damping: Option<f64>) -> Result<(), Fault> {
     match stiffness_damping {
         Some(damping) if damping > 0.0 => Err(terms.fault(
             "expected `relaxation` or `stiffness_damping`, not both: tissue with memory is damped by it, \
@@ -361,7 +365,7 @@ pub fn skinning(word: SkinningWord) -> Skinning {
 fn bones(built: &Built, bind: &Bind) -> Result<([u32; 2], [f64; 2]), Fault> {
     let names = &bind.bones;
     let find = |name: &String| {
-        built.names.rigid(&At {
+        built.names.rigid(&Located {
             value: name.clone(),
             place: names.place.clone(),
             key: names.key.clone(),

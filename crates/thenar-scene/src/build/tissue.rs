@@ -5,7 +5,7 @@ use crate::format::{
     Hand, HandLayer, HandMaterial, HandRegionWord, HandTissueWord, LawWord, NailTable, SkinTable,
     TissueWord,
 };
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_core::model::{
     EmbeddedSurface, Flesh, HandModel, HandRegion, Law, Material, Sheet, Skin, facets,
 };
@@ -26,9 +26,9 @@ pub fn named(tissue: TissueWord) -> (Law, f64, f64) {
 /// A material with what keys say in the place of what it has: a named tissue first, then its parts.
 pub fn changed(
     base: Material,
-    tissue: Option<&At<TissueWord>>,
-    word: Option<&At<LawWord>>,
-    alpha: Option<&At<f64>>,
+    tissue: Option<&Located<TissueWord>>,
+    word: Option<&Located<LawWord>>,
+    alpha: Option<&Located<f64>>,
     young: Option<f64>,
     poisson: Option<f64>,
 ) -> Result<Material, Fault> {
@@ -174,7 +174,7 @@ pub fn skin_of_hand(hand: &Hand, model: &HandModel, soft: u32) -> Result<Option<
 
 /// The skin of a soft body, on the surface that touches when it touches anything.
 pub fn skin_of_soft(
-    table: &At<SkinTable>,
+    table: &Located<SkinTable>,
     flesh: &Flesh,
     surface: &EmbeddedSurface,
     soft: u32,

@@ -45,14 +45,14 @@ struct Member {
 
 /// Angle and rate of an axis.
 #[derive(Clone, Copy)]
-struct Seen {
+struct AxisState {
     angle: f64,
     rate: f64,
 }
 
 /// Angle and rate to which the motor leads an axis.
 #[derive(Clone, Copy)]
-struct Goal {
+struct AxisTarget {
     angle: f64,
     rate: f64,
 }
@@ -71,20 +71,20 @@ impl Member {
         at_leader / (self.steepest * self.steepest)
     }
 
-    fn seen(&self, world: &World) -> Seen {
+    fn state(&self, world: &World) -> AxisState {
         let [angles, rates] = [world.joint_angles(self.joint), world.joint_rates(self.joint)];
         let axis = Axis { rest_angle: 0.0, ..*self.desc(world) };
         // Within the range, where that goes on past half a turn.
-        Seen { angle: stretch(&axis, angles[self.axis]), rate: rates[self.axis] }
+        AxisState { angle: stretch(&axis, angles[self.axis]), rate: rates[self.axis] }
     }
 
     fn desc<'a>(&self, world: &'a World) -> &'a Axis {
         &world.desc().joints[self.joint as usize].axes[self.axis]
     }
 
-    fn goal(&self, leader: &Goal) -> Goal {
+    fn goal(&self, leader: &AxisTarget) -> AxisTarget {
         let (angle, slope) = self.at(leader.angle);
-        Goal { angle, rate: slope * leader.rate }
+        AxisTarget { angle, rate: slope * leader.rate }
     }
 
     /// Angle by which the axis is past this one \[rad\].
@@ -138,9 +138,9 @@ impl Train {
         following.map(move |member| (member.joint, member.axis, member.at(leader).0))
     }
 
-    fn wanted(&self, t: f64) -> Goal {
+    fn wanted(&self, t: f64) -> AxisTarget {
         let (wanted, axis) = (self.motor.wanted(t), self.members[0].axis);
-        Goal { angle: wanted.angles[axis], rate: wanted.rates[axis] }
+        AxisTarget { angle: wanted.angles[axis], rate: wanted.rates[axis] }
     }
 
     /// Leads the axes for the step that ends at time `t` \[s\].
@@ -155,14 +155,15 @@ impl Train {
         // A motor at its limit has no spring: its torque acts.
         let (holds, torque) =
             if asked.abs() <= most { (1.0, 0.0) } else { (0.0, most.copysign(asked)) };
-        let leader = self.members[0].seen(world);
-        let on = Goal { angle: leader.angle, rate: holds * goal.rate };
-        let mut leading = Pull::of_motor(holds * self.share[0], goal.angle);
+        let leader = self.members[0].state(world);
+        let on = AxisTarget { angle: leader.angle, rate: holds * goal.rate };
+        let mut leading = CombinedSpring::of_motor(holds * self.share[0], goal.angle);
         for (i, member) in self.members.iter().enumerate().skip(1) {
-            let (seen, wanted) = (member.seen(world), member.goal(&goal));
+            let (seen, wanted) = (member.state(world), member.goal(&goal));
             let (_, slope) = member.at(leader.angle);
             let link = member.here(self.link);
-            let mut pull = Pull::of_motor(member.here(holds * self.share[0]), wanted.angle);
+            let mut pull =
+                CombinedSpring::of_motor(member.here(holds * self.share[0]), wanted.angle);
             pull.add(link, member.at(leader.angle + world.time_step() * on.rate).0);
             // What the link does here it does to the leader, the other way and by the slope.
             let then = seen.angle + world.time_step() * holds * wanted.rate;
@@ -178,10 +179,10 @@ impl Train {
 
     /// Torque about the leader's axis that all shares of the motor's spring and damper would give
     /// \[N m\].
-    fn asked(&self, goal: &Goal, world: &World) -> f64 {
-        let leader = self.members[0].seen(world).angle;
+    fn asked(&self, goal: &AxisTarget, world: &World) -> f64 {
+        let leader = self.members[0].state(world).angle;
         let share = |member: &Member| {
-            let (seen, goal) = (member.seen(world), member.goal(goal));
+            let (seen, goal) = (member.state(world), member.goal(goal));
             let then = seen.angle + world.time_step() * seen.rate;
             let [stiffness, damping] = self.share.map(|whole| member.here(whole));
             let past = member.past(world, goal.angle, then);
@@ -195,7 +196,7 @@ impl Train {
         input: &mut Input,
         world: &World,
         member: usize,
-        pull: &Pull,
+        pull: &CombinedSpring,
         rate: f64,
         torque: f64,
     ) {
@@ -211,7 +212,7 @@ impl Train {
 }
 
 /// Springs about one axis, as one.
-struct Pull {
+struct CombinedSpring {
     stiffness: f64,
     /// Stiffness times where it is relaxed \[N m\].
     moment: f64,
@@ -219,7 +220,7 @@ struct Pull {
     first: f64,
 }
 
-impl Pull {
+impl CombinedSpring {
     fn of_motor(stiffness: f64, angle: f64) -> Self {
         Self { stiffness, moment: stiffness * angle, first: angle }
     }

@@ -46,7 +46,7 @@ impl Bodies {
         }
         let mut is_flesh = vec![false; desc.softs.len()];
         for bound in &model.coupling.bound {
-            bound.bones[..bound.carriers()].iter().for_each(|&b| is_bone[b as usize] = true);
+            bound.bones[..bound.bone_count()].iter().for_each(|&b| is_bone[b as usize] = true);
             let soft = model.soft_nodes.iter().position(|n| n.contains(&(bound.node as usize)));
             soft.into_iter().for_each(|s| is_flesh[s] = true);
         }

@@ -42,7 +42,7 @@ pub fn columns(bodies: &Bodies) -> Vec<Column> {
 /// The numbers of a moment, in the order of [`columns`].
 pub fn row(moment: &Moment, bodies: &Bodies, out: &mut Vec<f64>) {
     const NONE: f64 = f64::NAN;
-    let mut apart = |apart: Option<super::Apart>, there: bool| {
+    let mut apart = |apart: Option<super::Deviation>, there: bool| {
         if there {
             out.extend(apart.map_or([NONE; 2], |a| [a.mean, a.max]));
         }

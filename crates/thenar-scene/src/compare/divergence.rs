@@ -46,14 +46,14 @@ impl fmt::Display for Divergence {
 
 /// Looks out for divergence of one session.
 #[derive(Clone, Copy, Debug)]
-pub struct Watch {
+pub struct DivergenceMonitor {
     /// Kinetic energy of everything that moves, at `SPEED` \[J\].
     granted: f64,
     /// Largest energy of motion and deformation so far \[J\].
     pub energy_max: f64,
 }
 
-impl Watch {
+impl DivergenceMonitor {
     /// From now on.
     pub fn new(session: &Session) -> Self {
         let model = session.world().model();

@@ -7,22 +7,22 @@
 //! from the monolithic state in every step, which leaves the error of splitting alone. [`sweep`]
 //! does the latter over coupling stiffness and time step.
 
-mod apart;
 mod bodies;
 mod columns;
+mod deviation;
 mod divergence;
 mod moment;
 mod summary;
 pub mod sweep;
 
-pub use apart::Apart;
 pub use bodies::{Bodies, Object};
+pub use deviation::Deviation;
 pub use divergence::{Cause, Divergence};
 pub use moment::{Moment, SideMoment};
 pub use summary::{ObjectSummary, PartSummary, Peak, SideSummary, Summary};
 
 use crate::session::{Column, Session};
-use divergence::Watch;
+use divergence::DivergenceMonitor;
 use thenar_core::model::{FleshInStep1, JointLimits, SolverKind, SolverSettings};
 use thenar_core::world::{ModelError, StageTimer};
 
@@ -86,7 +86,7 @@ pub struct Comparison {
     sessions: [Session; 2],
     mode: CompareMode,
     bodies: Bodies,
-    watch: [Watch; 2],
+    monitors: [DivergenceMonitor; 2],
     moment: Moment,
     columns: Vec<Column>,
     row: Vec<f64>,
@@ -122,7 +122,7 @@ impl Comparison {
             return Err(CompareError::NothingMoves);
         }
         let columns = columns::columns(&bodies);
-        let watch = [0, 1].map(|side| Watch::new(&sessions[side]));
+        let monitors = [0, 1].map(|side| DivergenceMonitor::new(&sessions[side]));
         let moment = Moment::of(&sessions, &bodies, [true; 2]);
         let summary = Summary::new(&moment, &bodies);
         let mut comparison = Self {
@@ -130,7 +130,7 @@ impl Comparison {
             sessions,
             mode,
             bodies,
-            watch,
+            monitors,
             moment,
             columns,
             summary,
@@ -168,19 +168,20 @@ impl Comparison {
 
     fn find_divergence(&mut self) {
         let energies = [0, 1].map(|side| divergence::inner_energy(&self.sessions[side]));
-        let others: [f64; 2] = [self.watch[MONOLITHIC].energy_max, self.watch[TWO_STEP].energy_max];
+        let others: [f64; 2] =
+            [self.monitors[MONOLITHIC].energy_max, self.monitors[TWO_STEP].energy_max];
         for side in 0..2 {
             if self.has_diverged(side) {
                 continue;
             }
             let alone = self.has_diverged(1 - side);
             let bound = (!alone).then_some(others[side]);
-            let found = self.watch[side].find(&self.sessions[side], energies[side], bound);
+            let found = self.monitors[side].find(&self.sessions[side], energies[side], bound);
             self.summary.sides[side].diverged = found;
         }
         for side in 0..2 {
             if !self.has_diverged(side) {
-                self.watch[side].energy_max = self.watch[side].energy_max.max(energies[side]);
+                self.monitors[side].energy_max = self.monitors[side].energy_max.max(energies[side]);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Results of two solvers at one moment.
 
 use super::bodies::poses_apart;
-use super::{Apart, Bodies, MONOLITHIC, TWO_STEP};
+use super::{Bodies, Deviation, MONOLITHIC, TWO_STEP};
 use crate::session::{HandLoad, Session};
 
 /// Both solvers at one moment, and how far they are apart.
@@ -11,11 +11,11 @@ pub struct Moment {
     pub time: f64,
     /// Bones: distance \[m\]. This and the next are `None` where a side has diverged, or there is
     /// nothing to compare.
-    pub position: Option<Apart>,
+    pub position: Option<Deviation>,
     /// Bones: angle \[rad\].
-    pub rotation: Option<Apart>,
+    pub rotation: Option<Deviation>,
     /// Force that the drives put on bones \[N\], as a difference of vectors.
-    pub drive_force: Option<Apart>,
+    pub drive_force: Option<Deviation>,
     /// Objects: distance \[m\] and angle \[rad\].
     pub objects: Vec<Option<[f64; 2]>>,
     /// Each side; `None` where it has diverged.
@@ -69,9 +69,9 @@ impl Moment {
         }
         let [a, b] = sessions.each_ref().map(Session::world);
         let bone = |&i: &u32| poses_apart(&a.rigid_pose(i), &b.rigid_pose(i));
-        moment.position = Apart::over(bodies.bones.iter().map(|i| bone(i)[0]));
-        moment.rotation = Apart::over(bodies.bones.iter().map(|i| bone(i)[1]));
-        moment.drive_force = Apart::over(bodies.driven.iter().map(|&i| {
+        moment.position = Deviation::over(bodies.bones.iter().map(|i| bone(i)[0]));
+        moment.rotation = Deviation::over(bodies.bones.iter().map(|i| bone(i)[1]));
+        moment.drive_force = Deviation::over(bodies.driven.iter().map(|&i| {
             let force = |session: &Session| session.world().drive_wrench(i, session.input())[0];
             (force(&sessions[TWO_STEP]) - force(&sessions[MONOLITHIC])).norm()
         }));

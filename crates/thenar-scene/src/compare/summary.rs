@@ -1,6 +1,6 @@
 //! Means and extremes of a comparison.
 
-use super::{Apart, Bodies, Divergence, Moment, SideMoment};
+use super::{Bodies, Deviation, Divergence, Moment, SideMoment};
 use crate::session::PARTS;
 
 /// A quantity over time.
@@ -19,7 +19,7 @@ pub struct Peak {
 
 impl Peak {
     /// Takes in one moment.
-    pub fn take(&mut self, time: f64, apart: Apart) {
+    pub fn take(&mut self, time: f64, apart: Deviation) {
         self.count += 1.0;
         self.mean += (apart.mean - self.mean) / self.count;
         if apart.max > self.max {
@@ -28,7 +28,7 @@ impl Peak {
     }
 
     fn take_one(&mut self, time: f64, value: f64) {
-        self.take(time, Apart { mean: value, max: value, at: 0 });
+        self.take(time, Deviation { mean: value, max: value, at: 0 });
     }
 }
 

@@ -5,7 +5,7 @@ use super::{
     SkinningWord,
 };
 use crate::math::Vec3;
-use crate::text::{At, Cx, Defs, Fault, Node, Read, Value, table, words};
+use crate::text::{Cx, Defs, Fault, Located, Node, Read, Value, table, words};
 use serde_json::json;
 use std::collections::BTreeMap;
 use thenar_core::model::Coupling;
@@ -50,11 +50,11 @@ table! {
         position: Option<Vec3> where PLACE;
         /// Rotation of the model's frame, where the root is scripted; left out, that of the key
         /// before.
-        rotation: Option<At<Rotation>>;
+        rotation: Option<Located<Rotation>>;
         /// Angles of joints [degrees] by name; a `*` at its end stands for any ending, and whole
         /// names count more. 0 is the rest pose. A hinge has one angle, a universal joint two, a
         /// ball the three components of its rotation vector in the parent's joint frame.
-        joints: BTreeMap<String, At<AnglesDeg>> where ANGLE;
+        joints: BTreeMap<String, Located<AnglesDeg>> where ANGLE;
     }
 }
 
@@ -64,10 +64,10 @@ table! {
     pub struct FigureJoint {
         /// Name of the joint, or of the bone that it carries, without the figure's; a `*` at its
         /// end stands for any ending.
-        name: At<String>;
+        name: Located<String>;
         /// Another kind: "hinge" with one of `axes`, "universal" with two, "ball" or "fixed". All
         /// joints of a skinned mesh are balls. Only for figures that are built here.
-        kind: Option<At<JointWord>>;
+        kind: Option<Located<JointWord>>;
         /// Axes in the model's frame: of a hinge one; of a universal joint the parent's and the
         /// child's, at right angles.
         axes: Vec<Vec3> where PLACE;
@@ -97,33 +97,33 @@ table! {
     /// its flesh.
     pub struct Figure {
         /// Name, unique in the scene.
-        name: At<String>;
+        name: Located<String>;
         /// "gripper", "forearm" or "body", which come with the program, or a path, relative to the
         /// scene file: a skinned mesh (GLB, VRM), a robot's description (URDF; MJCF in `.xml` or
         /// `.mjcf`), or a figure that was built (`.thenar`).
-        model: At<String>;
+        model: Located<String>;
         /// Name of the skinned mesh of a `.glb` or `.vrm` file that is the body, or names of
         /// several, such as body, shoes and gloves: what they enclose together is the body then.
         /// Default: the mesh that encloses most.
-        mesh: Option<At<MeshNames>>;
+        mesh: Option<Located<MeshNames>>;
         /// Thickness of the flesh around the bones [m], of URDF and MJCF: 5 mm is meant for
         /// "gripper", 4 mm for "forearm". A skinned mesh has a skin of its own.
-        flesh: Option<At<f64>> where THICKNESS;
+        flesh: Option<Located<f64>> where THICKNESS;
         /// Factor on all lengths of the file. Default 1.
-        scale: Option<At<f64>> where SCALE;
+        scale: Option<Located<f64>> where SCALE;
         /// Tetrahedra wanted. Default 1000.
-        tets: Option<At<u32>> where TETS;
+        tets: Option<Located<u32>> where TETS;
         /// Start position of the model's frame, world [m]. Default [0, 0, 0].
         position: Vec3 where PLACE = Vec3::zeros();
         /// Start rotation. Default none.
-        rotation: Option<At<Rotation>>;
+        rotation: Option<Located<Rotation>>;
         /// "free", "fixed", or "scripted": where the keys say. Default "free".
         root: RootWord = RootWord::Free;
         /// Changes to joints, and motors.
-        joint: Vec<At<FigureJoint>>;
+        joint: Vec<Located<FigureJoint>>;
         /// The motion that the motors of the joints follow, and a scripted root. Joints that no key
         /// names are held in the rest pose by their springs. The figure starts as at time 0.
-        key: Vec<At<FigureKey>>;
+        key: Vec<Located<FigureKey>>;
         /// Between keys: "smooth" (minimum jerk) or "linear". Default "smooth".
         interpolation: InterpolationWord = InterpolationWord::Smooth;
         /// Changes to the flesh.

@@ -1,7 +1,7 @@
 //! Files that a scene names.
 
 use super::{MotionTable, Scene, Shape, SoftShape};
-use crate::text::At;
+use crate::text::Located;
 use std::collections::BTreeSet;
 use thenar_rig::figure::SHIPPED;
 
@@ -12,7 +12,7 @@ impl Scene {
     /// Files that bodies and motions come from, as the scene calls them: what is read beside its
     /// text when it is built.
     pub fn files(&self) -> BTreeSet<&str> {
-        let mut found: Vec<&At<String>> = Vec::new();
+        let mut found: Vec<&Located<String>> = Vec::new();
         let shapes = self.rigid.iter().filter_map(|rigid| rigid.shape.as_ref());
         shapes.for_each(|shape| of_shape(&shape.value, &mut found));
         for soft in &self.soft {
@@ -40,7 +40,7 @@ impl Scene {
     }
 }
 
-fn of_shape<'a>(shape: &'a Shape, found: &mut Vec<&'a At<String>>) {
+fn of_shape<'a>(shape: &'a Shape, found: &mut Vec<&'a Located<String>>) {
     match shape {
         Shape::Mesh(mesh) => found.push(&mesh.file),
         Shape::Compound(compound) => {

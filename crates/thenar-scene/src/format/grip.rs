@@ -1,6 +1,6 @@
 //! Grips of hands.
 
-use crate::text::{At, table, words};
+use crate::text::{Located, table, words};
 
 words! {
     /// Kind of grip on an object.
@@ -22,7 +22,7 @@ table! {
     /// A grip: pads find places on the object, close on it, press with a force and hold it.
     pub struct GripTable {
         /// The rigid or soft body, which a hook needs. Left out, the pads press against each other.
-        object: Option<At<String>>;
+        object: Option<Located<String>>;
         /// "pinch": pads of thumb and index finger; "tripod": and of the middle finger; "power":
         /// the thumb against all fingers; "hook": all fingers bent around a handle; "lateral": the
         /// thumb on the side of the index finger.

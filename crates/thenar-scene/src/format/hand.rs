@@ -5,7 +5,7 @@ use super::{
     MotionTable, NailTable, Rotation, SkinTable, Terms, TissueWord,
 };
 use crate::math::Vec3;
-use crate::text::{At, table, words};
+use crate::text::{Located, table, words};
 use std::collections::BTreeMap;
 use thenar_core::model::Coupling;
 
@@ -14,11 +14,11 @@ table! {
     pub struct HandMaterial {
         /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": law, modulus and Poisson's ratio,
         /// on which the keys below act.
-        tissue: Option<At<TissueWord>>;
+        tissue: Option<Located<TissueWord>>;
         /// "corotational", "neo-hookean", "stable-neo-hookean" or "ogden".
-        law: Option<At<LawWord>>;
+        law: Option<Located<LawWord>>;
         /// Exponent of Ogden's law, which it needs; pulp and skin have 6 to 11.
-        alpha: Option<At<f64>> where OGDEN;
+        alpha: Option<Located<f64>> where OGDEN;
         /// Young's modulus [Pa].
         young: Option<f64> where YOUNG;
         /// Poisson's ratio.
@@ -30,7 +30,7 @@ table! {
         /// Memory: [part, time in s] of up to 4 exponentials by which the stress of a held strain
         /// fades; parts sum to less than 1. Moduli are those at once. It stands in the place of
         /// `stiffness_damping`.
-        relaxation: Option<At<Terms>> where POSITIVE;
+        relaxation: Option<Located<Terms>> where POSITIVE;
         /// Rayleigh damping: part of the stiffness matrix [s].
         stiffness_damping: Option<f64> where SPRING;
     }
@@ -93,7 +93,7 @@ table! {
     pub struct HandAxis {
         /// Smallest and largest angle [degrees]; the angle of the model's rest pose lies between.
         /// No more than half a turn to either side.
-        range_deg: Option<At<[f64; 2]>> where HALF_TURN_DEG;
+        range_deg: Option<Located<[f64; 2]>> where HALF_TURN_DEG;
         /// Spring [N m/rad], beside the bent flesh, which has a stiffness of its own.
         stiffness: Option<f64> where SPRING;
         /// Damper [N m s/rad], beside the bent flesh.
@@ -110,12 +110,12 @@ table! {
     pub struct HandJoint {
         /// Name of the joint, or of the bone that it carries, without the hand's; a `*` at the end
         /// stands for any ending.
-        name: At<JointName>;
+        name: Located<JointName>;
         /// Flexion: 0 is the straight digit, more closes the hand.
         flexion: Option<HandAxis>;
         /// Abduction, of knuckles and the thumb's carpal joint: 0 is the model's rest pose, more
         /// leads to the thumb's side.
-        abduction: Option<At<HandAxis>>;
+        abduction: Option<Located<HandAxis>>;
     }
 }
 
@@ -132,18 +132,18 @@ table! {
     /// `hand/bone` and its joints `hand/joint`, where `hand` is its name.
     pub struct Hand {
         /// Name, unique in the scene.
-        name: At<String>;
+        name: Located<String>;
         /// "right" or "left" for the built-in hands, or the path of a `.thenar` or `.glb` file,
         /// relative to the scene file. Default "right".
-        model: Option<At<String>>;
+        model: Option<Located<String>>;
         /// Names of a rig's joints by those of the 25 tracked joints, such as
         /// `index-finger-phalanx-proximal = "bone_12"`, where the names of a `.glb` file do not say
         /// which joint is which; `thenar hand --list FILE.glb` prints such a table.
-        joint_names: Option<At<BTreeMap<String, String>>>;
+        joint_names: Option<Located<BTreeMap<String, String>>>;
         /// Name of the skinned mesh of a `.glb` file that is the hand, or names of several, such as
         /// a glove and the skin beside it: what they enclose together is the hand then. Default:
         /// the mesh that encloses most.
-        mesh: Option<At<MeshNames>>;
+        mesh: Option<Located<MeshNames>>;
         /// Source of those values of `tets`, `detail`, `coupling` and `springs` that are not given,
         /// when the model is built from a mesh. Default "touch"; "paper" where the scene says what
         /// is about the paper's hand: `tets`, `coupling = "uniform"`, `coupling_stiffness` without
@@ -156,17 +156,17 @@ table! {
         /// measure 4 mm at the pads of the fingers, 8 mm along fingers and knuckles, 16 mm in palm
         /// and back; all are proportional to the hand's length and to 1/detail. The skin that
         /// touches is at least as fine.
-        detail: Option<At<f64>> where DETAIL;
+        detail: Option<Located<f64>> where DETAIL;
         /// Wrist to middle fingertip [m]; left out, as the mesh has it.
         length: Option<f64> where HAND_LENGTH;
         /// Start position of the model frame, world [m]. Default [0, 0, 0].
         position: Vec3 where PLACE = Vec3::zeros();
         /// Start rotation. Default none.
-        rotation: Option<At<Rotation>>;
+        rotation: Option<Located<Rotation>>;
         /// "uniform": springs hold all flesh to the bones, skin and pads included, as in the paper;
         /// "bone": they hold the flesh in the place of bone, and what lies between bone and skin is
         /// free. Default: the model's own; the preset's for hands built here.
-        coupling: Option<At<CouplingWord>>;
+        coupling: Option<Located<CouplingWord>>;
         /// Spring between flesh and bones [N/m⁴]: per volume of flesh if `coupling` is "uniform",
         /// per volume of bone if it is "bone". Default 2e9 and 2.2e5 E/L², E the largest Young's
         /// modulus of the flesh and L the length of the hand: 3e11 for 50 kPa and 190 mm. Given
@@ -198,13 +198,13 @@ table! {
         joint: Vec<HandJoint>;
         /// "uniform" or "layered": where `layer`, `skin` and `nail` come from that are not given.
         /// Default "uniform": none.
-        tissue: Option<At<HandTissueWord>>;
+        tissue: Option<Located<HandTissueWord>>;
         /// Layers of flesh by depth under the skin, when the model is built from a mesh.
-        layer: Vec<At<HandLayer>>;
+        layer: Vec<Located<HandLayer>>;
         /// Skin of the hand.
-        skin: Option<At<SkinTable>>;
+        skin: Option<Located<SkinTable>>;
         /// Nails of the hand.
-        nail: Option<At<NailTable>>;
+        nail: Option<Located<NailTable>>;
         /// Coulomb friction coefficient of the skin; left out, the model's.
         friction: Option<f64> where FRICTION;
         /// False leaves the flesh out: a skeleton that touches nothing. Default true.
@@ -217,9 +217,9 @@ table! {
         /// itself. Default true.
         self_contact: bool = true;
         /// The motion to follow. Without one the hand holds its start pose.
-        motion: Option<At<MotionTable>>;
+        motion: Option<Located<MotionTable>>;
         /// Grips, one after the other; fingers that take part leave the motion meanwhile.
-        grip: Vec<At<GripTable>>;
+        grip: Vec<Located<GripTable>>;
         /// False lets the hand go: no drives, whatever the motion. Default true.
         driven: bool = true;
         /// False leaves the hand to its drives alone. True adds torques about the joints that

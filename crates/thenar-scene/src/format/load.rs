@@ -2,13 +2,13 @@
 
 use super::{Profile, Selector};
 use crate::math::Vec3;
-use crate::text::{At, choice, table};
+use crate::text::{Located, choice, table};
 
 table! {
     /// A force on a rigid body.
     pub struct ForceLoad {
         /// Name of the body; a bone is `hand/bone`.
-        body: At<String>;
+        body: Located<String>;
         /// Force, world [N].
         force: Vec3 where LOAD;
         /// Point where it acts, in the body's frame [m]. Default: the centre of mass.
@@ -22,7 +22,7 @@ table! {
     /// A torque on a rigid body.
     pub struct TorqueLoad {
         /// Name of the body; a bone is `hand/bone`.
-        body: At<String>;
+        body: Located<String>;
         /// Torque, world [N m].
         torque: Vec3 where LOAD;
         /// Over time. Default constant.
@@ -34,7 +34,7 @@ table! {
     /// A torque about the axes of joints, on the child and opposite on the parent.
     pub struct JointTorqueLoad {
         /// Names of joints; a `*` at the end stands for any ending.
-        joints: At<Vec<String>>;
+        joints: Located<Vec<String>>;
         /// Torque about each axis [N m].
         torque: f64 where LOAD;
         /// Over time. Default constant.
@@ -46,9 +46,9 @@ table! {
     /// One force on each of some nodes.
     pub struct NodeForceLoad {
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// Nodes that the force acts on.
-        nodes: At<Selector>;
+        nodes: Located<Selector>;
         /// Force on each node, world [N].
         force: Vec3 where LOAD;
         /// Over time. Default constant.
@@ -61,9 +61,9 @@ table! {
     /// each of its nodes. It keeps its direction. Give `total` or `traction`.
     pub struct TractionLoad {
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// Boundary faces that are pulled.
-        faces: At<Selector>;
+        faces: Located<Selector>;
         /// Total force, world [N].
         total: Option<Vec3> where LOAD;
         /// Traction, world [Pa].
@@ -77,9 +77,9 @@ table! {
     /// A pressure on a part of the boundary; it follows the faces as they turn and stretch.
     pub struct PressureLoad {
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// Boundary faces that are pressed.
-        faces: At<Selector>;
+        faces: Located<Selector>;
         /// Pressure [Pa], positive inwards.
         pressure: f64 where LOAD;
         /// Over time. Default constant.
@@ -92,9 +92,9 @@ table! {
     /// distance, on a part of the boundary at rest: a pure torque. They keep their direction.
     pub struct TwistLoad {
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// Boundary faces that are twisted.
-        faces: At<Selector>;
+        faces: Located<Selector>;
         /// Total torque, world [N m]; its direction is the axis, which goes through the centre
         /// of the faces.
         torque: Vec3 where LOAD;

@@ -2,7 +2,7 @@
 
 use super::NamedJoints;
 use crate::math::Vec3;
-use crate::text::{At, choice, table, words};
+use crate::text::{Located, choice, table, words};
 
 words! {
     /// Treatment of joint angles out of range.
@@ -136,7 +136,7 @@ table! {
     /// A motion file: `.toml` with keyframes, or `.jsonl` with a recording.
     pub struct MotionFileTable {
         /// Path, relative to the scene file.
-        file: At<String>;
+        file: Located<String>;
     }
 }
 
@@ -144,7 +144,7 @@ table! {
     /// Tracked hand joints from a JSON Lines file, resampled and filtered.
     pub struct RecordedTable {
         /// Path, relative to the scene file.
-        file: At<String>;
+        file: Located<String>;
         /// Side of the recorded hand; left out, the side of this hand. The other side is mirrored.
         hand: Option<SideOfHandWord>;
         /// Part of the recording to skip [s]. Default 0.

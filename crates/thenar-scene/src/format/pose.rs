@@ -1,7 +1,7 @@
 //! Places, rotations, and poses over time.
 
 use crate::math::Vec3;
-use crate::text::{At, table, words};
+use crate::text::{Located, table, words};
 
 table! {
     /// A rotation, given in one of these ways: `quaternion`; `axis` with `angle` or `angle_deg`;
@@ -28,7 +28,7 @@ table! {
         /// Origin of the frame [m]. Default [0, 0, 0].
         position: Vec3 where PLACE = Vec3::zeros();
         /// Rotation of the frame. Default none.
-        rotation: Option<At<Rotation>>;
+        rotation: Option<Located<Rotation>>;
     }
 }
 
@@ -40,7 +40,7 @@ table! {
         /// Position of the body's origin, world [m]; left out, that of the keyframe before.
         position: Option<Vec3> where PLACE;
         /// Rotation; left out, that of the keyframe before.
-        rotation: Option<At<Rotation>>;
+        rotation: Option<Located<Rotation>>;
     }
 }
 

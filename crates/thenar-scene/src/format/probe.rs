@@ -2,13 +2,13 @@
 
 use super::Selector;
 use crate::math::Vec3;
-use crate::text::{At, choice, table, words};
+use crate::text::{Located, choice, table, words};
 
 table! {
     /// A probe of the whole scene.
     pub struct ProbeName {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
     }
 }
 
@@ -16,9 +16,9 @@ table! {
     /// A probe of one body.
     pub struct ProbeBody {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The body; a bone is `hand/bone`, a hand's own name is its flesh.
-        body: At<String>;
+        body: Located<String>;
     }
 }
 
@@ -26,9 +26,9 @@ table! {
     /// A probe of one hand.
     pub struct ProbeHand {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The hand.
-        hand: At<String>;
+        hand: Located<String>;
     }
 }
 
@@ -36,9 +36,9 @@ table! {
     /// Momentum of some bodies, or of all that move.
     pub struct ProbeMomentum {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The bodies; a hand's name with `/*` stands for all its bones. Default: all.
-        bodies: Option<At<Vec<String>>>;
+        bodies: Option<Located<Vec<String>>>;
         /// Point for the angular momentum, world [m]. Default: the bodies' centre of mass.
         about: Option<Vec3> where PLACE;
     }
@@ -48,9 +48,9 @@ table! {
     /// A point that moves with a rigid body.
     pub struct PointProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The rigid body; a bone is `hand/bone`.
-        body: At<String>;
+        body: Located<String>;
         /// The point in the body's frame [m]. Default: the centre of mass.
         point: Vec3 where PLACE = Vec3::zeros();
     }
@@ -60,9 +60,9 @@ table! {
     /// A joint's angles and rates.
     pub struct JointProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The joint; of a hand, `hand/joint`.
-        joint: At<String>;
+        joint: Located<String>;
     }
 }
 
@@ -84,11 +84,11 @@ table! {
     /// A mean over nodes of a soft body.
     pub struct NodesProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// Nodes that are measured. Default: all.
-        nodes: Option<At<Selector>>;
+        nodes: Option<Located<Selector>>;
         /// "position" (default), "displacement", "velocity" or "target".
         quantity: QuantityWord = QuantityWord::Position;
     }
@@ -98,11 +98,11 @@ table! {
     /// The mean distance of nodes from an axis.
     pub struct RadiusProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// Nodes that are measured. Default: all.
-        nodes: Option<At<Selector>>;
+        nodes: Option<Located<Selector>>;
         /// A point on the axis, world [m].
         origin: Vec3 where PLACE = Vec3::zeros();
         /// Direction of the axis, world.
@@ -116,9 +116,9 @@ table! {
     /// Contact between two bodies.
     pub struct ContactProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The two bodies; forces are those on the first. The bones of a hand count as the hand.
-        bodies: [At<String>; 2];
+        bodies: [Located<String>; 2];
     }
 }
 
@@ -144,9 +144,9 @@ table! {
     /// All that one finger feels.
     pub struct FingerProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The hand.
-        hand: At<String>;
+        hand: Located<String>;
         /// "thumb", "index", "middle", "ring", "little" or "palm".
         finger: DigitWord;
     }
@@ -173,9 +173,9 @@ table! {
     /// in the file that `--vtk` writes. Pressure times area, summed, is the normal force.
     pub struct VerticesProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// "pressure" (default), "force", "slip", "state" or "area".
         quantity: VertexWord = VertexWord::Pressure;
     }
@@ -195,11 +195,11 @@ table! {
     /// Stress of elements: mean by volume, and the largest deviation of any element from it.
     pub struct StressProbe {
         /// Name, unique among probes; the start of its column names.
-        name: At<String>;
+        name: Located<String>;
         /// The soft body or hand.
-        body: At<String>;
+        body: Located<String>;
         /// Elements that are measured. Default: all.
-        elements: Option<At<Selector>>;
+        elements: Option<Located<Selector>>;
         /// "cauchy" (default) or "nominal".
         stress: StressWord = StressWord::Cauchy;
     }

@@ -1,7 +1,7 @@
 //! Size of a load over time.
 
 use super::InterpolationWord;
-use crate::text::{At, choice, table};
+use crate::text::{Located, choice, table};
 
 table! {
     /// The full load, between two times.
@@ -31,9 +31,9 @@ table! {
     /// Factors at given times; constant before the first and after the last.
     pub struct KeyframeProfile {
         /// Times [s], ascending.
-        times: At<Vec<f64>> where DURATION;
+        times: Located<Vec<f64>> where DURATION;
         /// A factor for each time.
-        factors: At<Vec<f64>> where PLACE;
+        factors: Located<Vec<f64>> where PLACE;
         /// Between them: "smooth" or "linear" (default).
         interpolation: InterpolationWord = InterpolationWord::Linear;
     }

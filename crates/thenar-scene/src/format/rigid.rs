@@ -2,7 +2,7 @@
 
 use super::{DriveTable, InterpolationWord, Keyframe, Placement, Rotation};
 use crate::math::Vec3;
-use crate::text::{At, choice, table, words};
+use crate::text::{Located, choice, table, words};
 
 table! {
     /// A box, its centre at the origin.
@@ -66,7 +66,7 @@ table! {
     /// mass.
     pub struct CompoundShape {
         /// At least one.
-        parts: Vec<At<CompoundPart>>;
+        parts: Vec<Located<CompoundPart>>;
     }
 }
 
@@ -74,7 +74,7 @@ table! {
     /// A part of a compound.
     pub struct CompoundPart {
         /// Any shape but a plane, a car and a compound.
-        shape: At<Shape>;
+        shape: Located<Shape>;
         /// Placement in the compound's frame. Default: the same frame.
         frame: Option<Placement>;
     }
@@ -100,7 +100,7 @@ table! {
     /// a shell. Or a model file (`.thenar`) of a rigid body, which has its own mass.
     pub struct MeshShape {
         /// Path, relative to the scene file.
-        file: At<String>;
+        file: Located<String>;
         /// Factor on all coordinates, 0.001 for a mesh in mm. Default 1.
         scale: f64 where SCALE = 1.0;
         /// Cells of the distance grid along the longest edge. Default 56.
@@ -152,9 +152,9 @@ table! {
     /// everything else, probes too, uses the centre of mass.
     pub struct Rigid {
         /// Name, unique in the scene.
-        name: At<String>;
+        name: Located<String>;
         /// Contact shape; without one the body touches nothing.
-        shape: Option<At<Shape>>;
+        shape: Option<Located<Shape>>;
         /// Placement of the shape in the body's frame. Default: the same frame.
         shape_frame: Option<Placement>;
         /// "dynamic" (default), "fixed" or "scripted".
@@ -165,11 +165,11 @@ table! {
         density: Option<f64> where DENSITY;
         /// Inertia about the centre of mass in the body's frame [kg m²]: [Ixx, Iyy, Izz] or
         /// [Ixx, Iyy, Izz, Ixy, Ixz, Iyz]. Left out, that of the homogeneous shape.
-        inertia: Option<At<Vec<f64>>> where INERTIA;
+        inertia: Option<Located<Vec<f64>>> where INERTIA;
         /// Start position, world [m]. Default [0, 0, 0].
-        position: Option<At<Vec3>> where PLACE;
+        position: Option<Located<Vec3>> where PLACE;
         /// Start rotation. Default none.
-        rotation: Option<At<Rotation>>;
+        rotation: Option<Located<Rotation>>;
         /// Start velocity of the centre of mass, world [m/s]. Default [0, 0, 0].
         velocity: Vec3 where RATE = Vec3::zeros();
         /// Start angular velocity, world [rad/s]. Default [0, 0, 0].
@@ -177,11 +177,11 @@ table! {
         /// Coulomb friction coefficient. Default 0.5.
         friction: f64 where FRICTION = 0.5;
         /// Pose over time: of a scripted body, or of the target of `drive`.
-        keyframes: Vec<At<Keyframe>>;
+        keyframes: Vec<Located<Keyframe>>;
         /// Between keyframes: "smooth" (default) or "linear".
         interpolation: InterpolationWord = InterpolationWord::Smooth;
         /// Pulls a dynamic body towards its keyframes, or towards its start pose.
-        drive: Option<At<DriveTable>>;
+        drive: Option<Located<DriveTable>>;
         /// Colour in pictures: red, green, blue from 0 to 1.
         colour: Option<[f64; 3]> where FRACTION;
     }

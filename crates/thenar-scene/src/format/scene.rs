@@ -2,7 +2,7 @@
 
 use super::{Camera, Figure, Hand, Joint, Load, PairFriction, Probe, Rigid, Soft, SolverTable};
 use crate::math::Vec3;
-use crate::text::{At, table};
+use crate::text::{Located, table};
 
 table! {
     /// A scene: what exists, what acts on it, and what is measured.
@@ -50,7 +50,7 @@ table! {
     /// geometric mean of the two coefficients.
     pub struct Pair {
         /// The two bodies' names. A hand's name stands for its flesh.
-        bodies: [At<String>; 2];
+        bodies: [Located<String>; 2];
         /// Coulomb friction coefficient of this pair, or the name of a shipped table of skin on a
         /// material, by load as in `friction_by_load`.
         friction: Option<PairFriction> where FRICTION;
@@ -58,7 +58,7 @@ table! {
         /// rising load; straight lines between, constant outside. The load is the sum of the normal
         /// forces of the whole patch in the step before: between the two bodies, or, of a hand,
         /// between one finger (or the palm) and the other body.
-        friction_by_load: Option<At<Vec<[f64; 2]>>> where PRESSING;
+        friction_by_load: Option<Located<Vec<[f64; 2]>>> where PRESSING;
         /// False lets the two pass through each other. Default true.
         contact: bool = true;
     }

@@ -2,7 +2,7 @@
 
 use super::{Rotation, Selector, SkinTable, SkinningWord, TissueWord};
 use crate::math::Vec3;
-use crate::text::{At, Cx, Defs, Fault, Node, Read, choice, table, words};
+use crate::text::{Cx, Defs, Fault, Located, Node, Read, choice, table, words};
 use thenar_core::model::{Coupling, TERMS_MAX};
 
 words! {
@@ -60,7 +60,7 @@ table! {
     /// makes of a mesh with holes.
     pub struct MeshSoftShape {
         /// Path, relative to the scene file.
-        file: At<String>;
+        file: Located<String>;
         /// Factor on all coordinates, 0.001 for a mesh in mm. Default 1.
         scale: f64 where SCALE = 1.0;
         /// Tetrahedra wanted. Default 1000.
@@ -84,9 +84,9 @@ table! {
     /// Nodes and tetrahedra written out.
     pub struct ExplicitShape {
         /// Node positions [m].
-        nodes: At<Vec<Vec3>> where PLACE;
+        nodes: Located<Vec<Vec3>> where PLACE;
         /// Four node indices for each tetrahedron, in either orientation.
-        tets: At<Vec<[u32; 4]>> where INDEX;
+        tets: Located<Vec<[u32; 4]>> where INDEX;
     }
 }
 
@@ -94,7 +94,7 @@ table! {
     /// Nodes and tetrahedra from a file: TOML with `nodes` and `tets`, as written out.
     pub struct FileShape {
         /// Path, relative to the scene file.
-        file: At<String>;
+        file: Located<String>;
         /// Factor on all coordinates. Default 1.
         scale: f64 where SCALE = 1.0;
     }
@@ -138,16 +138,16 @@ table! {
     pub struct MaterialTable {
         /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": law, modulus and Poisson's ratio,
         /// on which the keys below act.
-        tissue: Option<At<TissueWord>>;
+        tissue: Option<Located<TissueWord>>;
         /// "corotational" (default), "neo-hookean" (default of bread), "stable-neo-hookean" or
         /// "ogden".
-        law: Option<At<LawWord>>;
+        law: Option<Located<LawWord>>;
         /// Exponent of Ogden's law, which it needs; pulp and skin have 6 to 11.
-        alpha: Option<At<f64>> where OGDEN;
+        alpha: Option<Located<f64>> where OGDEN;
         /// Young's modulus [Pa]. Default 50 000; of bread 12 000.
         young: Option<f64> where YOUNG;
         /// Shear modulus [Pa] in the place of `young`, which is then 2 (1 + `poisson`) times it.
-        mu: Option<At<f64>> where YOUNG;
+        mu: Option<Located<f64>> where YOUNG;
         /// Poisson's ratio. Default 0.4; of bread 0.25.
         poisson: Option<f64> where POISSON;
         /// Density [kg/m³]. Default 1000; of bread 250.
@@ -155,7 +155,7 @@ table! {
         /// Memory: [part, time in s] of up to 4 exponentials by which the stress of a held strain
         /// fades; parts sum to less than 1. Moduli are those at once. Elements with memory have no
         /// `stiffness_damping`. Default [].
-        relaxation: Option<At<Terms>> where POSITIVE;
+        relaxation: Option<Located<Terms>> where POSITIVE;
     }
 }
 
@@ -179,7 +179,7 @@ table! {
     /// A part of the body with its own material; later parts win.
     pub struct Region {
         /// Elements of the region.
-        elements: At<Selector>;
+        elements: Located<Selector>;
         /// Material of the region.
         material: MaterialTable;
     }
@@ -189,9 +189,9 @@ table! {
     /// Nodes that are held where they start.
     pub struct FixedSet {
         /// Nodes that are fixed.
-        nodes: At<Selector>;
+        nodes: Located<Selector>;
         /// World axes along which they are held, e.g. "xyz" (default) or "x".
-        axes: Option<At<String>>;
+        axes: Option<Located<String>>;
     }
 }
 
@@ -199,18 +199,18 @@ table! {
     /// Nodes bound to one or two rigid bodies by springs to their skinned place (Eq. 6-9).
     pub struct Bind {
         /// Nodes that are bound.
-        nodes: At<Selector>;
+        nodes: Located<Selector>;
         /// Names of one or two rigid bodies ("bones").
-        bones: At<Vec<String>>;
+        bones: Located<Vec<String>>;
         /// Weights of the bodies, of sum 1. Default: equal.
-        weights: At<Vec<f64>> where FRACTION = At::none();
+        weights: Located<Vec<f64>> where FRACTION = Located::none();
         /// Spring per volume of flesh [N/m⁴]; without `node_stiffness`. Default 1e9.
         stiffness: Option<f64> where SPRING;
         /// Spring of each node [N/m].
         node_stiffness: Option<f64> where SPRING;
         /// Offsets of these nodes' places by the pose of the joint between two bones: interpolated
         /// between poses, zero at rest. Far from all poses they fade.
-        pose_offset: Vec<At<PoseOffsetTable>>;
+        pose_offset: Vec<Located<PoseOffsetTable>>;
     }
 }
 
@@ -218,7 +218,7 @@ table! {
     /// An offset of skinning targets at one pose of a joint.
     pub struct PoseOffsetTable {
         /// Rotation of the joint's child from rest against its parent, in the parent's axes.
-        rotation: At<Rotation>;
+        rotation: Located<Rotation>;
         /// Offset at rest [m], in the axes of the body's model frame; the bones carry it along.
         offset: Vec3 where PLACE;
     }
@@ -232,7 +232,7 @@ table! {
         /// Offset [m]. Default [0, 0, 0].
         offset: Vec3 where PLACE = Vec3::zeros();
         /// Nodes that are displaced. Default: all.
-        nodes: Option<At<Selector>>;
+        nodes: Option<Located<Selector>>;
     }
 }
 
@@ -251,15 +251,15 @@ table! {
     /// A soft body of linear tetrahedra.
     pub struct Soft {
         /// Name, unique in the scene.
-        name: At<String>;
+        name: Located<String>;
         /// Rest shape.
-        shape: At<SoftShape>;
+        shape: Located<SoftShape>;
         /// Material of the body.
         material: Option<MaterialTable>;
         /// Parts with other materials.
         region: Vec<Region>;
         /// Skin on the surface.
-        skin: Option<At<SkinTable>>;
+        skin: Option<Located<SkinTable>>;
         /// "tetrahedra": each by itself; "patches": those around one long edge share one evaluation
         /// of their law, which a coarse or hardly compressible mesh needs to bend as it should.
         /// Default "tetrahedra".
@@ -271,11 +271,11 @@ table! {
         /// Start position of the model frame, world [m]. Default [0, 0, 0].
         position: Vec3 where PLACE = Vec3::zeros();
         /// Start rotation. Default none.
-        rotation: Option<At<Rotation>>;
+        rotation: Option<Located<Rotation>>;
         /// Start velocity of all nodes, world [m/s]. Default [0, 0, 0].
         velocity: Vec3 where RATE = Vec3::zeros();
         /// Start deformations, in turn.
-        deform: Vec<At<Deform>>;
+        deform: Vec<Located<Deform>>;
         /// Held nodes.
         fixed: Vec<FixedSet>;
         /// Nodes bound to rigid bodies.

@@ -1,7 +1,7 @@
 //! Tissue: named materials, layers, skin and nails.
 
 use super::LawWord;
-use crate::text::{At, table, words};
+use crate::text::{Located, table, words};
 use thenar_core::model::Sheet;
 
 words! {
@@ -58,12 +58,12 @@ table! {
         depth: [f64; 2] where DEPTH;
         /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": its law, modulus and Poisson's
         /// ratio.
-        tissue: Option<At<TissueWord>>;
+        tissue: Option<Located<TissueWord>>;
         /// "corotational", "neo-hookean", "stable-neo-hookean" or "ogden". An element has the law
         /// of the larger part of its stiffness.
-        law: Option<At<LawWord>>;
+        law: Option<Located<LawWord>>;
         /// Exponent of Ogden's law, which it needs.
-        alpha: Option<At<f64>> where OGDEN;
+        alpha: Option<Located<f64>> where OGDEN;
         /// Young's modulus [Pa].
         young: Option<f64> where YOUNG;
         /// Poisson's ratio.

@@ -6,7 +6,7 @@ use crate::format::{
     Scene, SkinningWord, WristTable,
 };
 use crate::math::Vec3;
-use crate::text::At;
+use crate::text::Located;
 use thenar_core::model::{Coupling, Side};
 
 /// Gap left free between an added hand and others that point at it \[m\].
@@ -126,7 +126,7 @@ fn before_figures(wrist: WristTable, scene: &Scene) -> WristTable {
 }
 
 /// A motion that does not move.
-fn still(wrist: WristTable) -> At<MotionTable> {
+fn still(wrist: WristTable) -> Located<MotionTable> {
     let key = HandKey {
         time: 0.0,
         wrist: Some(wrist),
@@ -140,7 +140,7 @@ fn still(wrist: WristTable) -> At<MotionTable> {
 }
 
 /// A name that the scene does not use yet.
-fn free_name(scene: &Scene, side: Side) -> At<String> {
+fn free_name(scene: &Scene, side: Side) -> Located<String> {
     let word = if side == Side::Left { "left hand" } else { "right hand" };
     let taken = |name: &str| {
         scene

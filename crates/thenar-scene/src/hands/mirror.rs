@@ -2,16 +2,16 @@
 
 use crate::format::{Camera, Hand, MotionTable, Rotation, SideOfHandWord, TipsTable, WristTable};
 use crate::math::Vec3;
-use crate::text::{At, SourcePlace};
+use crate::text::{Located, SourcePlace};
 use thenar_core::model::Side;
 
 /// A value that no file holds.
-pub fn unwritten<T>(value: T, key: &str) -> At<T> {
-    At { value, place: SourcePlace::Text(0..0), key: key.into() }
+pub fn unwritten<T>(value: T, key: &str) -> Located<T> {
+    Located { value, place: SourcePlace::Text(0..0), key: key.into() }
 }
 
 /// The built-in hand of a side.
-pub fn model(side: Side) -> At<String> {
+pub fn model(side: Side) -> Located<String> {
     unwritten(if side == Side::Left { "left" } else { "right" }.into(), "hand.model")
 }
 

@@ -1,13 +1,13 @@
 //! A hand taken out of a scene, with all that refers to it.
 
 use crate::format::{Load, Probe, Scene};
-use crate::text::At;
+use crate::text::Located;
 
 /// Removes the hand `name`, and probes, pairs, loads, bonds and joints that need it. Lists that
 /// name other things too keep those.
 pub fn hand(scene: &mut Scene, name: &str) {
     scene.hand.retain(|hand| hand.name.value != name);
-    let gone = Gone { name, parts: format!("{name}/") };
+    let gone = Removal { name, parts: format!("{name}/") };
     let known: Vec<String> = names(scene);
     scene.probe.retain_mut(|probe| gone.keeps_probe(probe, &known));
     scene.load.retain_mut(|load| gone.keeps_load(load, &known));
@@ -31,23 +31,23 @@ fn names(scene: &Scene) -> Vec<String> {
     rigids.chain(joints).chain(hands).collect()
 }
 
-struct Gone<'a> {
+struct Removal<'a> {
     name: &'a str,
     /// Prefix of the names of its bones and joints.
     parts: String,
 }
 
-impl Gone<'_> {
+impl Removal<'_> {
     fn is_part(&self, name: &str) -> bool {
         name == self.name || name.starts_with(&self.parts)
     }
 
-    fn means(&self, name: &At<String>) -> bool {
+    fn means(&self, name: &Located<String>) -> bool {
         self.is_part(&name.value)
     }
 
     /// Takes its names out of a list; false when nothing is left.
-    fn thin(&self, list: &mut At<Vec<String>>, known: &[String]) -> bool {
+    fn thin(&self, list: &mut Located<Vec<String>>, known: &[String]) -> bool {
         list.value.retain(|name| match name.strip_suffix('*') {
             None => !self.is_part(name),
             Some(start) => {

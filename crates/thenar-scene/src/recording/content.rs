@@ -1,6 +1,6 @@
 //! Bodies of the session's frames.
 
-use super::state::{Bare, BareRef};
+use super::state::{MemorylessState, MemorylessStateRef};
 use crate::format::PresetWord;
 use crate::session::{GripsRef, IfNone, Memory, MemoryRef, ReflexesRef, Session, Source};
 use serde::{Deserialize, Serialize};
@@ -126,7 +126,7 @@ pub struct KeyframeRest {
 impl Keyframe {
     /// Reads it. What comes after the last part that is known is left alone.
     pub fn read(body: &[u8]) -> Option<Self> {
-        let ((number, Bare(mut state)), rest) = postcard::take_from_bytes(body).ok()?;
+        let ((number, MemorylessState(mut state)), rest) = postcard::take_from_bytes(body).ok()?;
         if rest.is_empty() {
             return Some(Self { number, state, kept: None });
         }
@@ -185,7 +185,7 @@ impl Keyframe {
 #[derive(Debug, Serialize)]
 pub(super) struct KeyframeRef<'a> {
     number: u64,
-    state: BareRef<'a>,
+    state: MemorylessStateRef<'a>,
     start: u64,
     memory: MemoryRef<'a>,
     /// The memory of tissue came last to the form.

@@ -1,6 +1,6 @@
 //! Inputs of a session, as a recording keeps them.
 
-use super::state::{Bare, BareRef};
+use super::state::{MemorylessState, MemorylessStateRef};
 use crate::flat::{FlatTarget, Flattened, flat_pose, pose, target};
 use crate::grip::Order;
 use crate::live::LivePose;
@@ -33,12 +33,12 @@ pub enum InputKind {
     SetChoice { key: String, value: String },
     Lead { hand: u32, targets: Vec<FlatTarget> },
     LetGo { hand: u32 },
-    Resume { state: Box<Bare> },
-    ResumeRemembering { state: Box<Bare>, faded: Vec<[f64; 6]> },
+    Resume { state: Box<MemorylessState> },
+    ResumeRemembering { state: Box<MemorylessState>, faded: Vec<[f64; 6]> },
     Grip { hand: u32, order: Order },
     Release { hand: u32 },
     GripAdapting { hand: u32, order: Order },
-    ResumeHolding { state: Box<Bare>, faded: Vec<[f64; 6]>, places: Vec<HeldPlace> },
+    ResumeHolding { state: Box<MemorylessState>, faded: Vec<[f64; 6]>, places: Vec<HeldPlace> },
 }
 
 /// A borrowed input, to be written: nothing is copied to the heap.
@@ -60,12 +60,12 @@ pub enum InputKindRef<'a> {
     SetChoice { key: &'a str, value: &'a str },
     Lead { hand: u32, targets: Flattened<'a, Target> },
     LetGo { hand: u32 },
-    Resume { state: BareRef<'a> },
-    ResumeRemembering { state: BareRef<'a>, faded: &'a [[f64; 6]] },
+    Resume { state: MemorylessStateRef<'a> },
+    ResumeRemembering { state: MemorylessStateRef<'a>, faded: &'a [[f64; 6]] },
     Grip { hand: u32, order: &'a Order },
     Release { hand: u32 },
     GripAdapting { hand: u32, order: &'a Order },
-    ResumeHolding { state: BareRef<'a>, faded: &'a [[f64; 6]], places: &'a [HeldPlace] },
+    ResumeHolding { state: MemorylessStateRef<'a>, faded: &'a [[f64; 6]], places: &'a [HeldPlace] },
 }
 
 /// Hands an entry on in the form in which it is written.

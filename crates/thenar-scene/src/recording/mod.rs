@@ -13,14 +13,14 @@ mod content;
 mod entry;
 mod replay;
 mod scene;
+mod session_writer;
 mod snapshot;
 mod state;
-mod tape;
 mod verdict;
 
 pub use content::{Asset, Keyframe, KeyframeRest, SceneStart, StepMark};
 pub use replay::{Event, Index, Replay, ReplayError};
 pub use scene::{ASSET_BYTES_MAX, FILE_BYTES_MAX};
+pub use session_writer::{SessionWriter, TimeOf};
 pub use snapshot::{SnapshotError, go_on_from, snapshot};
-pub use tape::{SessionTape, TimeOf};
 pub use verdict::{Difference, Loss, ReplayDrift, Verdict};

@@ -8,7 +8,7 @@ use thenar_core::{Pose, Vec3};
 
 /// All of a state but what tissue remembers, while it is written.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct BareRef<'a> {
+pub struct MemorylessStateRef<'a> {
     time: f64,
     poses_WB: &'a [Pose],
     x: &'a [Vec3],
@@ -22,7 +22,7 @@ pub struct BareRef<'a> {
 
 /// A state as it is read, with tissue that remembers nothing.
 #[derive(Clone, Debug)]
-pub struct Bare(pub State);
+pub struct MemorylessState(pub State);
 
 /// The parts of it.
 #[derive(Deserialize)]
@@ -38,7 +38,7 @@ struct Parts {
     patch_loads: Vec<([u32; 3], f64)>,
 }
 
-impl<'a> From<&'a State> for BareRef<'a> {
+impl<'a> From<&'a State> for MemorylessStateRef<'a> {
     fn from(state: &'a State) -> Self {
         Self {
             time: state.time,
@@ -54,7 +54,7 @@ impl<'a> From<&'a State> for BareRef<'a> {
     }
 }
 
-impl<'de> Deserialize<'de> for Bare {
+impl<'de> Deserialize<'de> for MemorylessState {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let parts = Parts::deserialize(from)?;
         Ok(Self(State {
@@ -72,8 +72,8 @@ impl<'de> Deserialize<'de> for Bare {
     }
 }
 
-impl Serialize for Bare {
+impl Serialize for MemorylessState {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        BareRef::from(&self.0).serialize(to)
+        MemorylessStateRef::from(&self.0).serialize(to)
     }
 }

@@ -4,7 +4,7 @@ use crate::build::{Built, BuiltHand, Follow};
 use crate::live::{LiveError, LiveHand};
 use std::ops::Range;
 use thenar_core::World;
-use thenar_core::condensed::SlowToFast;
+use thenar_core::condensed::BoneFrame;
 use thenar_core::kinematics::velocity_between;
 use thenar_core::math::Vec3;
 use thenar_core::model::{Flesh, RigidDesc};
@@ -68,7 +68,7 @@ pub fn weigh(
     led: &[Option<Vec<Target>>],
     world: &World,
     first: u32,
-    frame: &mut SlowToFast,
+    frame: &mut BoneFrame,
 ) {
     let carried =
         |(hand, led): (&BuiltHand, &Option<_>)| hand.handle.bones.start == first && led.is_some();

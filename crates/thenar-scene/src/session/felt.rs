@@ -4,7 +4,7 @@ use super::Session;
 use crate::live::{LiveError, LiveHand};
 use std::ops::Range;
 use thenar_core::World;
-use thenar_core::condensed::SlowToFast;
+use thenar_core::condensed::BoneFrame;
 use thenar_core::world::{Input, State, Target};
 use thenar_touch::haptic_loop::{SimulatedHand, Simulation};
 
@@ -47,7 +47,7 @@ impl Simulation for Session {
         self.let_go(index);
     }
 
-    fn condense(&mut self, bones: Range<u32>, to: &mut SlowToFast) -> bool {
+    fn condense(&mut self, bones: Range<u32>, to: &mut BoneFrame) -> bool {
         self.condense(bones, to)
     }
 }

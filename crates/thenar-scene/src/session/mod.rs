@@ -39,7 +39,7 @@ pub use taken_back::TakenBack;
 pub use thenar_core::random::{Random, random_at};
 pub use witness::{Entry, Witness};
 
-use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
+use crate::build::{Built, BuiltHand, Mesh, RigidAppearance, SoftBuild};
 use crate::format::{Camera, Scene};
 use crate::grip::GripHand;
 use crate::live::{LiveError, LiveHand, LivePose, checked};
@@ -49,7 +49,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::OnceLock;
-use thenar_core::condensed::SlowToFast;
+use thenar_core::condensed::BoneFrame;
 use thenar_core::world::{Input, StageTimer, StepReport, Target};
 use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::Fingertips;
@@ -164,7 +164,7 @@ impl Session {
 
     /// Fills how bones answer, for the haptic loop; see [`World::condense`]. After a step that was
     /// taken back, or left to the stand-in, nobody knows the contact forces: there is no response.
-    pub fn condense(&mut self, bones: Range<u32>, to: &mut SlowToFast) -> bool {
+    pub fn condense(&mut self, bones: Range<u32>, to: &mut BoneFrame) -> bool {
         if self.report.non_finite || self.report.fell_back {
             to.response.clear();
             return false;
@@ -272,7 +272,7 @@ impl Session {
     }
 
     /// Appearance of each rigid body of the world.
-    pub fn looks(&self) -> &[RigidLook] {
+    pub fn looks(&self) -> &[RigidAppearance] {
         &self.built.looks
     }
 

@@ -3,21 +3,21 @@
 use super::Session;
 use crate::format::{Shape as Table, SoftShape};
 use crate::grip::bounds;
-use crate::text::At;
+use crate::text::Located;
 use thenar_core::Vec3;
 use thenar_core::model::Motion;
 use thenar_core::shape::Shape;
 use thenar_rig::object::{Extent, mass_in_words, size_in_words, unit_question};
 
 /// A mesh as a scene names it.
-struct Named<'a> {
-    file: &'a At<String>,
+struct NamedMesh<'a> {
+    file: &'a Located<String>,
     scale: f64,
     /// Edge lengths of its box \[m\].
     size: Vec3,
 }
 
-impl Named<'_> {
+impl NamedMesh<'_> {
     /// Asks about the unit of a mesh that is too long or too short, or heavier than what hands move
     /// where there are any. `mass` \[kg\] is that of the body that it is; 0 leaves it out. What
     /// stands `still` may be a room.
@@ -73,17 +73,17 @@ impl Session {
             let [low, high] =
                 places.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
             let mass = self.world.node_masses(built.soft).iter().sum();
-            Named { file, scale, size: high - low }.question(mass, false, hands)
+            NamedMesh { file, scale, size: high - low }.question(mass, false, hands)
         })
     }
 }
 
 /// The meshes of a shape; of a compound, of its parts.
-fn add_meshes<'a>(table: &'a Table, shape: &Shape, found: &mut Vec<Named<'a>>) {
+fn add_meshes<'a>(table: &'a Table, shape: &Shape, found: &mut Vec<NamedMesh<'a>>) {
     match (table, shape) {
         (Table::Mesh(mesh), Shape::Mesh(_)) if !is_model(&mesh.file) => {
             let [_, half] = bounds(shape);
-            found.push(Named { file: &mesh.file, scale: mesh.scale, size: half * 2.0 });
+            found.push(NamedMesh { file: &mesh.file, scale: mesh.scale, size: half * 2.0 });
         }
         (Table::Compound(compound), Shape::Compound(parts)) => {
             let tables = compound.parts.iter().map(|part| &part.value.shape.value);
@@ -96,6 +96,6 @@ fn add_meshes<'a>(table: &'a Table, shape: &Shape, found: &mut Vec<Named<'a>>) {
 }
 
 /// True of a built model, which has the size that it was built in.
-fn is_model(file: &At<String>) -> bool {
+fn is_model(file: &Located<String>) -> bool {
     file.value.ends_with(".thenar")
 }

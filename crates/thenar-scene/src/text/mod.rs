@@ -19,7 +19,7 @@ pub use node::{Node, Value};
 pub use overrides::{Override, apply as apply_override};
 pub use path::{Cx, Step};
 pub use range::Range;
-pub use read::{At, Fields, Read, parse};
+pub use read::{Fields, Located, Read, parse};
 pub use schema::{Defs, document as schema_document};
 pub use suggest::nearest;
 pub use thenar_input::plain;

@@ -32,7 +32,7 @@ pub fn parse<T: Read>(root: &Node) -> Result<T, Fault> {
 
 /// A value that remembers where it was written, for errors found later.
 #[derive(Clone, Debug)]
-pub struct At<T> {
+pub struct Located<T> {
     /// The value.
     pub value: T,
     /// Place where it was written.
@@ -41,21 +41,21 @@ pub struct At<T> {
     pub key: String,
 }
 
-impl<T> At<T> {
+impl<T> Located<T> {
     /// A fault about this value.
     pub fn fault(&self, problem: impl Into<String>) -> Fault {
         Fault::new(&self.place, self.key.clone(), problem)
     }
 }
 
-impl<T> At<Vec<T>> {
+impl<T> Located<Vec<T>> {
     /// No values, written nowhere.
     pub fn none() -> Self {
         Self { value: Vec::new(), place: SourcePlace::Text(0..0), key: String::new() }
     }
 }
 
-impl<T: Read> Read for At<T> {
+impl<T: Read> Read for Located<T> {
     fn read(node: &Node, cx: &Cx<'_>) -> Result<Self, Fault> {
         Ok(Self { value: T::read(node, cx)?, place: node.place.clone(), key: cx.key() })
     }

@@ -3,7 +3,7 @@
 use crate::stage::{Stage, open};
 use thenar_record::{Header, Recorder};
 use thenar_scene::grip::GripKind;
-use thenar_scene::recording::{Replay, SessionTape, TimeOf, go_on_from, snapshot};
+use thenar_scene::recording::{Replay, SessionWriter, TimeOf, go_on_from, snapshot};
 use thenar_scene::session::Session;
 
 fn run(session: &mut Session, until: f64) {
@@ -42,7 +42,7 @@ fn a_recording_of_asked_grips_replays_to_the_same_bits() {
     let header = Header { simulated_time: true, ..Header::default() };
     let recorder = Recorder::create(&file, &header).expect("a file");
     let (frames, clock) = (recorder.session(), recorder.clock());
-    session.set_witness(Box::new(SessionTape::new(frames, clock, TimeOf::Simulation, 0.5)));
+    session.set_witness(Box::new(SessionWriter::new(frames, clock, TimeOf::Simulation, 0.5)));
     run(&mut session, 0.3);
     session.grip(0, Some("thing"), GripKind::Pinch, Some(1.5)).expect("a grip");
     run(&mut session, 1.5);

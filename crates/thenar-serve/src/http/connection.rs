@@ -1,6 +1,6 @@
 //! Connections: taken in, counted, encrypted where asked, and handed to the site.
 
-use super::crowd::{Crowd, CrowdSeat};
+use super::connection_limiter::{ConnectionLimiter, ConnectionPermit};
 use super::metered::Metered;
 use super::site::Site;
 use hyper::server::conn::http1;
@@ -27,7 +27,7 @@ const SPEAK_TLS: &[u8] = b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain\
 
 /// Takes connections until the site stops.
 pub async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, site: Arc<Site>) {
-    let crowd = Arc::new(Crowd::default());
+    let connection_limiter = Arc::new(ConnectionLimiter::default());
     loop {
         let accepted = tokio::select! {
             () = site.stopped() => return,
@@ -39,7 +39,7 @@ pub async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, site: Arc<S
             continue;
         };
         let peer = peer.ip().to_canonical();
-        let place = crowd.meet(peer, &site.limits);
+        let place = connection_limiter.admit_pending(peer, &site.limits);
         let (tls, site, held) = (tls.clone(), site.clone(), place.clone());
         let serving = tokio::spawn(async move {
             // A connection that fails is over; there is nobody to tell.
@@ -54,7 +54,7 @@ async fn serve(
     peer: IpAddr,
     tls: Option<TlsAcceptor>,
     site: Arc<Site>,
-    place: Arc<CrowdSeat>,
+    place: Arc<ConnectionPermit>,
 ) -> Result<()> {
     stream.set_nodelay(true)?;
     let limits = &site.limits;
@@ -73,7 +73,12 @@ async fn serve(
 }
 
 /// Answers the requests of one connection, until one of them turns it into a session.
-async fn requests<S>(stream: S, peer: IpAddr, site: Arc<Site>, place: Arc<CrowdSeat>) -> Result<()>
+async fn requests<S>(
+    stream: S,
+    peer: IpAddr,
+    site: Arc<Site>,
+    place: Arc<ConnectionPermit>,
+) -> Result<()>
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {

@@ -1,6 +1,6 @@
 //! Guard at the door: before anything else is looked at, every request passes here.
 
-use super::site::{Door, Site};
+use super::site::{Access, Site};
 use super::token::{in_cookies, in_query};
 use hyper::header::{HOST, HeaderName, ORIGIN};
 use hyper::http::request::Parts;
@@ -44,13 +44,13 @@ pub enum Admission {
 /// Another host is meant, another site's page asks, or the token is missing or wrong.
 pub fn admit(site: &Site, peer: IpAddr, request: &Parts) -> Result<Admission, Refusal> {
     let host = host(&request.headers)?;
-    if matches!(site.door, Door::Desk) && !is_this_computer(host) {
+    if matches!(site.access, Access::Loopback) && !is_this_computer(host) {
         return Err(WRONG_HOST);
     }
     if !own_origin(&request.headers, host) {
         return Err(WRONG_ORIGIN);
     }
-    let Door::Lan { token, cookie, guesses, .. } = &site.door else {
+    let Access::Lan { token, cookie, wrong_tokens, .. } = &site.access else {
         return Ok(Admission::Granted);
     };
     let offered = in_query(request.uri.query());
@@ -66,7 +66,7 @@ pub fn admit(site: &Site, peer: IpAddr, request: &Parts) -> Result<Admission, Re
     if offered.is_none() && known.any(|text| token.is(text)) {
         return Ok(Admission::Granted);
     }
-    match guessed && guesses.wrong(peer, Instant::now()) {
+    match guessed && wrong_tokens.wrong(peer, Instant::now()) {
         true => Err(TOO_MANY),
         false => Err(NO_TOKEN),
     }

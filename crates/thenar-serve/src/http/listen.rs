@@ -11,7 +11,7 @@ const PORTS: u16 = 20;
 pub fn bind(options: &Options) -> Result<TcpListener> {
     let addresses = match (options.address, options.reach) {
         (Some(address), _) => vec![address],
-        (None, Reach::Desk) => vec![Ipv4Addr::LOCALHOST.into()],
+        (None, Reach::Loopback) => vec![Ipv4Addr::LOCALHOST.into()],
         // The first serves both families where the system has them.
         (None, Reach::Lan) => vec![Ipv6Addr::UNSPECIFIED.into(), Ipv4Addr::UNSPECIFIED.into()],
     };
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     fn options(port: Port) -> Options {
-        Options { reach: Reach::Desk, address: None, port, limits: RequestLimits::default() }
+        Options { reach: Reach::Loopback, address: None, port, limits: RequestLimits::default() }
     }
 
     #[test]

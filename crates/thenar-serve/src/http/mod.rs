@@ -9,9 +9,8 @@
 
 mod certificate;
 mod connection;
-mod crowd;
+mod connection_limiter;
 mod guard;
-mod hall;
 mod listen;
 mod metered;
 mod options;
@@ -19,6 +18,7 @@ mod qr;
 mod rates;
 mod reply;
 mod session;
+mod session_slots;
 mod site;
 mod token;
 
@@ -27,14 +27,14 @@ pub use options::{Options, Port, Reach, RequestLimits};
 use crate::hub::Hub;
 use crate::page;
 use certificate::Certificate;
-use hall::Hall;
-use site::{Door, Site};
+use session_slots::SessionSlots;
+use site::{Access, Site};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use std::thread::JoinHandle;
 use std::time::Duration;
-use token::{Guesses, Token};
+use token::{Token, WrongTokens};
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::watch;
 
@@ -82,16 +82,16 @@ impl Server {
         let listener = listen::bind(options).map_err(|source| cannot_listen(options, source))?;
         let address = listener.local_addr()?;
         let names = listen::names();
-        let (door, certificate) = door(options, address, &names)?;
-        let urls = urls(&door, address, &names);
+        let (access, certificate) = access(options, address, &names)?;
+        let urls = urls(&access, address, &names);
         let fingerprint = certificate.as_ref().map(|c| c.fingerprint.clone());
         let (stop, stopping) = watch::channel(false);
         let site = Arc::new(Site {
             hub,
             assets: page::assets(),
-            door,
+            access,
             limits: options.limits.clone(),
-            hall: Hall::new(options.limits.clients),
+            session_slots: SessionSlots::new(options.limits.clients),
             clients: AtomicU32::new(0),
             stopping,
         });
@@ -151,26 +151,26 @@ fn cannot_listen(options: &Options, source: std::io::Error) -> StartError {
     }
 }
 
-fn door(
+fn access(
     options: &Options,
     address: SocketAddr,
     names: &[String],
-) -> Result<(Door, Option<Certificate>), StartError> {
-    if options.reach == Reach::Desk {
-        return Ok((Door::Desk, None));
+) -> Result<(Access, Option<Certificate>), StartError> {
+    if options.reach == Reach::Loopback {
+        return Ok((Access::Loopback, None));
     }
     let mut known: Vec<String> = ["localhost", "127.0.0.1", "::1"].map(String::from).into();
     known.extend(names.iter().cloned());
     let certificate = certificate::make(known).map_err(StartError::Certificate)?;
     let cookie = format!("thenar_{}", address.port());
-    let door = Door::Lan { token: Token::new()?, cookie, guesses: Guesses::default() };
-    Ok((door, Some(certificate)))
+    let access = Access::Lan { token: Token::new()?, cookie, wrong_tokens: WrongTokens::default() };
+    Ok((access, Some(certificate)))
 }
 
 /// Addresses of the page.
-fn urls(door: &Door, address: SocketAddr, names: &[String]) -> Vec<String> {
+fn urls(access: &Access, address: SocketAddr, names: &[String]) -> Vec<String> {
     let port = address.port();
-    let Door::Lan { token, .. } = door else { return vec![format!("http://{address}/")] };
+    let Access::Lan { token, .. } = access else { return vec![format!("http://{address}/")] };
     let own = [address.ip().to_string()];
     let names = if address.ip().is_unspecified() { names } else { &own };
     let names = if names.is_empty() { &["localhost".to_owned()] } else { names };
@@ -194,6 +194,6 @@ fn serve(
         let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
         connection::accept(listener, certificate.map(|c| c.acceptor), site.clone()).await;
         // Each session gives its place back when it has ended.
-        let _ = tokio::time::timeout(GOODBYE, site.hall.empty(site.limits.clients)).await;
+        let _ = tokio::time::timeout(GOODBYE, site.session_slots.empty(site.limits.clients)).await;
     });
 }

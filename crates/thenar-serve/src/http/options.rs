@@ -7,7 +7,7 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     /// This computer only: plain HTTP on the loopback address, no token.
-    Desk,
+    Loopback,
     /// Everyone on the network who has the pairing token: HTTPS only.
     Lan,
 }

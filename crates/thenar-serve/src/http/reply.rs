@@ -1,7 +1,7 @@
 //! Replies: files of the page, refusals, and the headers that fence the page in.
 
 use super::guard::{self, Refusal};
-use super::site::{Door, Site};
+use super::site::{Access, Site};
 use crate::page::{self, Asset};
 use bytes::Bytes;
 use http_body_util::Full;
@@ -55,10 +55,10 @@ pub fn wrong_method() -> Reply {
 }
 
 /// Hands over the cookie and leads to the page without the token in its address.
-pub fn pair(door: &Door) -> Reply {
+pub fn pair(access: &Access) -> Reply {
     let mut reply = text(StatusCode::SEE_OTHER, "Paired.");
     reply.headers_mut().insert(LOCATION, HeaderValue::from_static("/"));
-    if let Door::Lan { token, cookie, .. } = door {
+    if let Access::Lan { token, cookie, .. } = access {
         let cookie =
             format!("{cookie}={}; Path=/; HttpOnly; SameSite=Strict; Secure", token.text());
         if let Ok(cookie) = HeaderValue::try_from(cookie) {
@@ -117,7 +117,7 @@ fn whole(site: &Site, asset: &Asset, request: &Parts) -> Reply {
 
 /// The plain page, told where the visitor finds the socket.
 fn naming_socket(site: &Site, asset: &Asset, request: &Parts) -> Bytes {
-    let scheme = if matches!(site.door, Door::Desk) { "ws" } else { "wss" };
+    let scheme = if matches!(site.access, Access::Loopback) { "ws" } else { "wss" };
     let host = guard::host(&request.headers).unwrap_or_default();
     let text = String::from_utf8_lossy(asset.bytes);
     text.replace(page::SOCKET, &format!("{scheme}://{host}/live")).into()

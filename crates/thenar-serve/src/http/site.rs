@@ -1,12 +1,12 @@
 //! State that all connections share.
 
-use super::crowd::CrowdSeat;
+use super::connection_limiter::ConnectionPermit;
 use super::guard::{self, Admission, Refusal};
-use super::hall::Hall;
 use super::options::RequestLimits;
 use super::reply::{self, Reply};
 use super::session;
-use super::token::{Guesses, Token};
+use super::session_slots::SessionSlots;
+use super::token::{Token, WrongTokens};
 use crate::hub::Hub;
 use crate::page::Asset;
 use hyper::body::Incoming;
@@ -27,9 +27,9 @@ const SLOW: Duration = Duration::from_secs(1);
 
 /// The clients that are let in.
 #[derive(Debug)]
-pub enum Door {
+pub enum Access {
     /// Clients on this computer.
-    Desk,
+    Loopback,
     /// Clients that have the token.
     Lan {
         /// The token.
@@ -37,7 +37,7 @@ pub enum Door {
         /// The name of the cookie that carries it. Cookies do not tell ports apart, names do.
         cookie: String,
         /// Wrong tokens so far.
-        guesses: Guesses,
+        wrong_tokens: WrongTokens,
     },
 }
 
@@ -49,11 +49,11 @@ pub struct Site {
     /// The page's files by path.
     pub assets: BTreeMap<String, Asset>,
     /// The clients that are let in.
-    pub door: Door,
+    pub access: Access,
     /// Limits on what clients may do.
     pub limits: RequestLimits,
     /// Places of sessions.
-    pub hall: Hall,
+    pub session_slots: SessionSlots,
     /// The number of the last client.
     pub clients: AtomicU32,
     /// Turns true when the server ends.
@@ -71,7 +71,7 @@ impl Site {
     pub async fn answer(
         self: Arc<Self>,
         peer: IpAddr,
-        place: Arc<CrowdSeat>,
+        place: Arc<ConnectionPermit>,
         mut request: Request<Incoming>,
     ) -> Result<Reply, Infallible> {
         let upgrade = hyper::upgrade::on(&mut request);
@@ -87,7 +87,7 @@ impl Site {
             Ok(_) if ![Method::GET, Method::HEAD].contains(&request.method) => {
                 reply::wrong_method()
             }
-            Ok(Admission::Pairing) => reply::pair(&self.door),
+            Ok(Admission::Pairing) => reply::pair(&self.access),
             Ok(Admission::Granted) => match request.uri.path() {
                 "/live" => session::open(&self, &request, upgrade),
                 _ => reply::file(&self, &request),

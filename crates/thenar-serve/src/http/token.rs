@@ -77,9 +77,9 @@ const WINDOW: Duration = Duration::from_secs(60);
 /// Counts wrong tokens by address. The right token always works: at 128 bits guessing is no
 /// danger, and locking an address out would lock out a visitor whose old page still knocks.
 #[derive(Debug, Default)]
-pub struct Guesses(Mutex<HashMap<IpAddr, (u32, Instant)>>);
+pub struct WrongTokens(Mutex<HashMap<IpAddr, (u32, Instant)>>);
 
-impl Guesses {
+impl WrongTokens {
     /// Counts a wrong token; true if there were too many from this address.
     pub fn wrong(&self, from: IpAddr, now: Instant) -> bool {
         let mut table = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -123,16 +123,16 @@ mod tests {
 
     #[test]
     fn guesses_are_counted_by_address_and_forgotten() {
-        let guesses = Guesses::default();
+        let wrong_tokens = WrongTokens::default();
         let start = Instant::now();
         let [a, b] = [[10, 0, 0, 1], [10, 0, 0, 2]].map(IpAddr::from);
-        assert!((0..FREE_GUESSES).all(|_| !guesses.wrong(a, start)));
-        assert!(guesses.wrong(a, start));
-        assert!(!guesses.wrong(b, start));
-        assert!(!guesses.wrong(a, start + WINDOW));
+        assert!((0..FREE_GUESSES).all(|_| !wrong_tokens.wrong(a, start)));
+        assert!(wrong_tokens.wrong(a, start));
+        assert!(!wrong_tokens.wrong(b, start));
+        assert!(!wrong_tokens.wrong(a, start + WINDOW));
         for i in 0..5000_u32 {
-            guesses.wrong(IpAddr::from(i.to_be_bytes()), start);
+            wrong_tokens.wrong(IpAddr::from(i.to_be_bytes()), start);
         }
-        assert!(guesses.0.lock().unwrap().len() <= ADDRESSES);
+        assert!(wrong_tokens.0.lock().unwrap().len() <= ADDRESSES);
     }
 }

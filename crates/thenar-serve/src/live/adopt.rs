@@ -1,6 +1,6 @@
-//! Scenes that come: one that was wished for, or the same again after a failure.
+//! Scenes that come: one that was requested, or the same again after a failure.
 
-use super::builder::Wish;
+use super::builder::BuildRequest;
 use super::play::Play;
 use super::run::Loop;
 use super::source::ReadyScene;
@@ -15,7 +15,7 @@ const FAILURES_WITHIN: Duration = Duration::from_secs(30);
 impl Loop {
     /// Puts a scene on that has been made ready.
     pub(super) fn adopt(&mut self, ready: ReadyScene) {
-        let same = ready.recipe.scene == self.recipe.scene;
+        let same = ready.spec.scene == self.spec.scene;
         let felt = self.haptics.as_mut().map_or(Ok(()), |haptics| haptics.attach(&ready.session));
         self.free_witness();
         let mut play = Play::new(ready.session);
@@ -27,11 +27,11 @@ impl Loop {
         }
         // What the scene with other hands does not take is forgotten.
         self.set.retain(|(key, value)| play.set(key, value).is_ok());
-        self.recipe = ready.recipe;
+        self.spec = ready.spec;
         self.paused &= same;
         self.problem = felt.err();
         self.changed = true;
-        self.publisher.model(ready.model, &self.desk);
+        self.publisher.model(ready.model, &self.endpoint);
         self.play = Some(play);
         self.pacer.resume(Instant::now());
         self.show();
@@ -48,10 +48,10 @@ impl Loop {
         match self.builder.take() {
             None => {}
             Some((_, Ok(ready))) => self.adopt(*ready),
-            Some((Wish { client, .. }, Err(problem))) => {
+            Some((BuildRequest { client, .. }, Err(problem))) => {
                 self.changed = true;
                 if let Some(client) = client {
-                    self.desk.tell(client, text::error(&problem));
+                    self.endpoint.tell(client, text::error(&problem));
                 }
                 if self.play.is_none() {
                     self.problem = Some(problem);
@@ -75,8 +75,8 @@ impl Loop {
         self.failures.push(now);
         if self.failures.len() < FAILURES_MAX {
             self.problem = Some(format!("the simulation failed and starts again: {cause}"));
-            let recipe = self.recipe.clone();
-            self.builder.wish(Wish { client: None, recipe });
+            let spec = self.spec.clone();
+            self.builder.request(BuildRequest { client: None, spec });
         } else {
             self.problem = Some(format!("the simulation fails again and again: {cause}"));
         }

@@ -1,7 +1,7 @@
-//! Makes scenes ready on a thread of their own, one at a time; of several wishes the last counts,
+//! Makes scenes ready on a thread of their own, one at a time; of several requests the last counts,
 //! and ends what is being made for another.
 
-use super::source::{Catalogue, LiveError, ReadyScene, Recipe};
+use super::source::{Catalogue, LiveError, ReadyScene, SceneSpec};
 use crate::hub::ClientId;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -9,22 +9,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use thenar_rig::work::watched;
 
-/// A wish for another scene, and the client that has it.
+/// A request for another scene, and the client that made it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct BuildRequest {
     /// To be told should it fail; `None` is the loop itself.
     pub client: Option<ClientId>,
-    /// Recipe of what is built.
-    pub recipe: Recipe,
+    /// Description of what is built.
+    pub spec: SceneSpec,
 }
 
-/// Outcome of a wish.
+/// Outcome of a request.
 pub type BuildResult = Result<Box<ReadyScene>, String>;
 
 /// A scene in the making.
 #[derive(Debug)]
-struct Work {
-    wish: Wish,
+struct BuildJob {
+    request: BuildRequest,
     made: Receiver<BuildResult>,
     /// True when nobody waits for it any more.
     overtaken: Arc<AtomicBool>,
@@ -34,8 +34,8 @@ struct Work {
 #[derive(Debug)]
 pub struct Builder {
     catalogue: Arc<Catalogue>,
-    working: Option<Work>,
-    next: Option<Wish>,
+    working: Option<BuildJob>,
+    next: Option<BuildRequest>,
 }
 
 impl Builder {
@@ -49,55 +49,55 @@ impl Builder {
         &self.catalogue
     }
 
-    /// Recipe that was wished for last, unless it is done.
-    pub fn wished(&self) -> Option<&Recipe> {
-        let working = self.working.as_ref().map(|work| &work.wish);
-        self.next.as_ref().or(working).map(|wish| &wish.recipe)
+    /// Scene that was requested last, unless it is done.
+    pub fn requested(&self) -> Option<&SceneSpec> {
+        let working = self.working.as_ref().map(|work| &work.request);
+        self.next.as_ref().or(working).map(|request| &request.spec)
     }
 
     /// Makes this instead of what is being made.
-    pub fn wish(&mut self, wish: Wish) {
+    pub fn request(&mut self, request: BuildRequest) {
         if let Some(work) = &self.working {
             work.overtaken.store(true, Ordering::Relaxed);
         }
-        self.next = Some(wish);
+        self.next = Some(request);
         self.begin();
     }
 
-    /// Takes the scene made since the last call. One that another wish has overtaken is dropped.
-    pub fn take(&mut self) -> Option<(Wish, BuildResult)> {
+    /// Takes the scene made since the last call. One that another request has overtaken is dropped.
+    pub fn take(&mut self) -> Option<(BuildRequest, BuildResult)> {
         let made = match self.working.as_ref()?.made.try_recv() {
             Ok(made) => made,
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => Err("the scene could not be made".into()),
         };
-        let Work { wish, .. } = self.working.take()?;
+        let BuildJob { request, .. } = self.working.take()?;
         let overtaken = self.next.is_some();
         self.begin();
-        (!overtaken).then_some((wish, made))
+        (!overtaken).then_some((request, made))
     }
 
     fn begin(&mut self) {
         if self.working.is_some() {
             return;
         }
-        let Some(wish) = self.next.take() else { return };
+        let Some(request) = self.next.take() else { return };
         let (done, made) = channel();
         let overtaken = Arc::new(AtomicBool::new(false));
         let ended = overtaken.clone();
-        let (catalogue, recipe) = (self.catalogue.clone(), wish.recipe.clone());
+        let (catalogue, spec) = (self.catalogue.clone(), request.spec.clone());
         let work = move || {
             let wanted = move |_| !ended.load(Ordering::Relaxed);
-            let make = || watched(wanted, || catalogue.make(&recipe).map(Box::new));
+            let make = || watched(wanted, || catalogue.make(&spec).map(Box::new));
             let made = match catch_unwind(AssertUnwindSafe(make)) {
                 Ok(made) => made.map_err(|error: LiveError| error.to_string()),
-                Err(_) => Err(format!("making the scene `{}` failed", recipe.scene)),
+                Err(_) => Err(format!("making the scene `{}` failed", spec.scene)),
             };
             // The loop may have ended meanwhile.
             let _ = done.send(made);
         };
-        // Should no thread start, `done` is dropped and the wish fails.
+        // Should no thread start, `done` is dropped and the request fails.
         let _ = std::thread::Builder::new().name("scene".into()).spawn(work);
-        self.working = Some(Work { wish, made, overtaken });
+        self.working = Some(BuildJob { request, made, overtaken });
     }
 }

@@ -1,8 +1,8 @@
 //! Commands from clients, and what comes of them.
 
-use super::builder::Wish;
+use super::builder::BuildRequest;
 use super::run::Loop;
-use super::source::{LiveError, Recipe};
+use super::source::{LiveError, SceneSpec};
 use crate::hub::ClientId;
 use crate::protocol::{Command, PoseMessage, text};
 use std::time::Instant;
@@ -17,22 +17,22 @@ impl Loop {
             return;
         }
         match Command::read(message) {
-            Err(reason) => self.desk.refuse(client, &reason),
+            Err(reason) => self.endpoint.refuse(client, &reason),
             Ok(Command::Ping { t }) => {
-                self.desk.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
+                self.endpoint.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
             }
             // It has acted already, where it came in; but an `arm` from before it may have waited
             // until now.
             Ok(Command::Stop {}) => match &self.devices {
                 Some(devices) => devices.stop(),
-                None => self.desk.refuse(client, NO_DEVICES),
+                None => self.endpoint.refuse(client, NO_DEVICES),
             },
             // Heeded where it came in.
             Ok(Command::Hold {}) => {}
             Ok(Command::Control { take }) => self.pass_control(client, take),
             Ok(command) if self.may(client) => {
                 if let Err(reason) = self.act(client, command) {
-                    self.desk.refuse(client, &reason);
+                    self.endpoint.refuse(client, &reason);
                 }
             }
             Ok(_) => {}
@@ -46,13 +46,13 @@ impl Loop {
         }
         let message = match PoseMessage::read(message) {
             Ok(message) => message,
-            Err(reason) => return self.desk.refuse(client, &reason.to_string()),
+            Err(reason) => return self.endpoint.refuse(client, &reason.to_string()),
         };
         // Each hand by itself: where messages wait, one hand's may overtake the other's.
         let last = &mut self.pose_numbers[message.side as usize];
         if message.number <= *last {
             let reason = format!("pose message {} after {last}: numbers rise", message.number);
-            return self.desk.refuse(client, &reason);
+            return self.endpoint.refuse(client, &reason);
         }
         *last = message.number;
         if let Some(haptics) = &mut self.haptics {
@@ -63,7 +63,7 @@ impl Loop {
         if let Err(reason) = play.pose(&message) {
             // A headset tracks both hands whatever the scene has: that is no offence.
             if self.scold.is_due(Instant::now()) {
-                self.desk.tell(client, text::error(&reason));
+                self.endpoint.tell(client, text::error(&reason));
             }
         }
     }
@@ -72,7 +72,7 @@ impl Loop {
     /// that they had lost it.
     fn may(&self, client: ClientId) -> bool {
         self.control.may(client, Instant::now()).unwrap_or_else(|reason| {
-            self.desk.refuse(client, &reason);
+            self.endpoint.refuse(client, &reason);
             false
         })
     }
@@ -89,7 +89,8 @@ impl Loop {
         }
         self.hands_off();
         if let Some(before) = before.filter(|before| *before != client) {
-            self.desk.tell(before, text::error(&format!("viewer {} has taken control", client.0)));
+            self.endpoint
+                .tell(before, text::error(&format!("viewer {} has taken control", client.0)));
         }
     }
 
@@ -105,7 +106,7 @@ impl Loop {
             }
             Command::Step {} if self.paused => self.step(),
             Command::Step {} => {
-                self.desk.tell(client, text::error("pause first, then go step by step"));
+                self.endpoint.tell(client, text::error("pause first, then go step by step"));
             }
             Command::Reset {} => {
                 if let Some(play) = &mut self.play {
@@ -114,7 +115,7 @@ impl Loop {
                 self.show();
             }
             Command::Seek { .. } => {
-                self.desk.tell(client, text::error("only a recording has places to go to"));
+                self.endpoint.tell(client, text::error("only a recording has places to go to"));
             }
             Command::Speed { value } => {
                 self.speed = value;
@@ -130,7 +131,7 @@ impl Loop {
                 let Some(play) = &mut self.play else { return Ok(()) };
                 // Nothing under the hand is no offence.
                 if let Err(reason) = play.grip(side, object.as_deref(), kind, force) {
-                    self.desk.tell(client, text::error(&reason));
+                    self.endpoint.tell(client, text::error(&reason));
                 }
             }
             Command::Release { side } => {
@@ -142,10 +143,10 @@ impl Loop {
                 if !self.builder.catalogue().has(&name) {
                     return Err(LiveError::Unknown(name).to_string());
                 }
-                self.wish(client, |recipe| recipe.scene = name);
+                self.request(client, |spec| spec.scene = name);
             }
             Command::Hands { which, lengths } => {
-                self.wish(client, |recipe| (recipe.hands, recipe.lengths) = (which, lengths));
+                self.request(client, |spec| (spec.hands, spec.lengths) = (which, lengths));
             }
             Command::Set { key, value } => {
                 // A slider sends many values, and each costs as much as a step: the last counts.
@@ -169,7 +170,7 @@ impl Loop {
         for (client, key, value) in std::mem::take(&mut self.to_set) {
             let Some(play) = &mut self.play else { return };
             match play.set(&key, &value) {
-                Err(reason) => self.desk.refuse(client, &reason),
+                Err(reason) => self.endpoint.refuse(client, &reason),
                 Ok(()) => {
                     self.set.retain(|(known, _)| *known != key);
                     self.set.push((key, value));
@@ -179,9 +180,9 @@ impl Loop {
     }
 
     /// Has a scene made ready that differs in something from what plays or is being made.
-    fn wish(&mut self, client: ClientId, change: impl FnOnce(&mut Recipe)) {
-        let mut recipe = self.builder.wished().unwrap_or(&self.recipe).clone();
-        change(&mut recipe);
-        self.builder.wish(Wish { client: Some(client), recipe });
+    fn request(&mut self, client: ClientId, change: impl FnOnce(&mut SceneSpec)) {
+        let mut spec = self.builder.requested().unwrap_or(&self.spec).clone();
+        change(&mut spec);
+        self.builder.request(BuildRequest { client: Some(client), spec });
     }
 }

@@ -32,7 +32,7 @@ use std::thread::JoinHandle;
 use thenar_scene::session::{Session, StartOverlap, Witness};
 
 /// Is shown the session after every step; must not take long.
-pub type Watcher = Box<dyn FnMut(&Session) + Send>;
+pub type StepCallback = Box<dyn FnMut(&Session) + Send>;
 
 /// Options for serving.
 #[derive(Default)]
@@ -40,7 +40,7 @@ pub struct Options {
     /// Set in the first scene, `key=value` as of `thenar run --set`.
     pub overrides: Vec<String>,
     /// Sees every step.
-    pub watcher: Option<Watcher>,
+    pub watcher: Option<StepCallback>,
     /// Devices to feel it with.
     pub haptics: Option<Haptics>,
     /// Receives all that enters the session, and every scene that takes its place.
@@ -73,9 +73,9 @@ impl Live {
     /// # Errors
     /// There is no such scene, something in it is wrong, or no thread can be started.
     pub fn start(source: &SceneSource, options: Options) -> Result<(Self, Hub), LiveError> {
-        let (catalogue, recipe) = Catalogue::new(source, &options.overrides)?;
-        let ready = catalogue.make(&recipe)?;
-        let (hub, desk) = pair_with(catalogue.names());
+        let (catalogue, spec) = Catalogue::new(source, &options.overrides)?;
+        let ready = catalogue.make(&spec)?;
+        let (hub, endpoint) = pair_with(catalogue.names());
         let devices = options.haptics.as_ref().map(|haptics| DeadMan::new(haptics.remote.clone()));
         let hub = hub.with_devices(devices.clone());
         let stop = Arc::new(AtomicBool::new(false));
@@ -84,14 +84,14 @@ impl Live {
         let warnings = ready.session.warnings();
         let mut new = Self { stop, thread: None, reporter: None, start_overlaps, warnings };
         if let Some(devices) = devices.clone() {
-            let (touch, stop) = (desk.touch.clone(), new.stop.clone());
+            let (touch, stop) = (endpoint.touch.clone(), new.stop.clone());
             let report = move || haptics::report(&devices, &touch, &stop);
             let named = std::thread::Builder::new().name("touch".into());
             new.reporter = Some(named.spawn(report)?);
         }
         let builder = Builder::new(catalogue);
         let Options { watcher, haptics, witness, .. } = options;
-        let running = Loop::new(desk, builder, ready, watcher, haptics, devices, witness);
+        let running = Loop::new(endpoint, builder, ready, watcher, haptics, devices, witness);
         let named = std::thread::Builder::new().name("simulation".into());
         new.thread = Some(named.spawn(move || running.run(&told))?);
         Ok((new, hub))

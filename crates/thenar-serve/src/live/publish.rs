@@ -1,6 +1,6 @@
 //! Messages that go out: models, and snapshots at a rate that eyes can use.
 
-use crate::hub::Desk;
+use crate::hub::HubEndpoint;
 use crate::protocol::{Pace, Snapshots, set_epoch};
 use bytes::Bytes;
 use std::time::Duration;
@@ -21,10 +21,10 @@ pub struct Publisher {
 
 impl Publisher {
     /// Sends a new model, in a new epoch.
-    pub fn model(&mut self, mut message: Vec<u8>, desk: &Desk) {
+    pub fn model(&mut self, mut message: Vec<u8>, endpoint: &HubEndpoint) {
         self.epoch += 1;
         set_epoch(&mut message, self.epoch);
-        desk.model.send_replace(Bytes::from(message));
+        endpoint.model.send_replace(Bytes::from(message));
     }
 
     /// True when the step just done, one `period` after the last, is to be shown.
@@ -34,13 +34,13 @@ impl Publisher {
     }
 
     /// Sends a snapshot.
-    pub fn snapshot(&mut self, session: &Session, pace: Pace, desk: &Desk) {
+    pub fn snapshot(&mut self, session: &Session, pace: Pace, endpoint: &HubEndpoint) {
         self.number = self.number.wrapping_add(1);
         self.steps = 0;
         let energy = session.world().energy(session.input());
         let pace = Pace { epoch: self.epoch, number: self.number, energy, ..pace };
         let message = self.snapshots.write(session, &pace);
-        desk.snapshot.send_replace(Bytes::copy_from_slice(message));
+        endpoint.snapshot.send_replace(Bytes::copy_from_slice(message));
     }
 }
 

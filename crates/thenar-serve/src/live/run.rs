@@ -1,18 +1,18 @@
 //! The loop: events, steps, snapshots.
 
-use super::Watcher;
+use super::StepCallback;
 use super::builder::Builder;
 use super::control::Control;
 use super::haptics::Haptics;
 use super::pacer::Pacer;
 use super::play::Play;
 use super::publish::Publisher;
-use super::source::{ReadyScene, Recipe};
+use super::source::{ReadyScene, SceneSpec};
 use super::status::Status;
 use crate::dead_man::DeadMan;
-use crate::hub::{ClientId, Desk, Event};
+use crate::hub::{ClientId, Event, HubEndpoint};
 use crate::protocol::{Pace, text};
-use crate::rounds::{EVENTS_AT_ONCE, NAP, STATUS_EVERY, Scold, pace};
+use crate::rounds::{EVENTS_AT_ONCE, SLEEP_MAX, STATUS_EVERY, Scold, pace};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -24,13 +24,13 @@ const REST_AFTER: Duration = Duration::from_secs(5);
 
 /// Everything that the simulation's thread holds.
 pub struct Loop {
-    pub(super) desk: Desk,
+    pub(super) endpoint: HubEndpoint,
     pub(super) builder: Builder,
     pub(super) control: Control,
     /// `None` after a failure, until the scene has been made again.
     pub(super) play: Option<Play>,
     /// Recipe that plays, or played last.
-    pub(super) recipe: Recipe,
+    pub(super) spec: SceneSpec,
     pub(super) paused: bool,
     pub(super) speed: f64,
     /// Settings that clients have made in the scene, to be made again when its hands change.
@@ -48,7 +48,7 @@ pub struct Loop {
     pub(super) pacer: Pacer,
     pub(super) publisher: Publisher,
     cost: Duration,
-    watcher: Option<Watcher>,
+    watcher: Option<StepCallback>,
     pub(super) haptics: Option<Haptics>,
     /// Arms and stops what feels.
     pub(super) devices: Option<DeadMan>,
@@ -64,21 +64,21 @@ pub struct Loop {
 impl Loop {
     /// A loop that rests at the start of a scene.
     pub fn new(
-        desk: Desk,
+        endpoint: HubEndpoint,
         builder: Builder,
         first: ReadyScene,
-        watcher: Option<Watcher>,
+        watcher: Option<StepCallback>,
         haptics: Option<Haptics>,
         devices: Option<DeadMan>,
         witness: Option<Box<dyn Witness>>,
     ) -> Self {
         let now = Instant::now();
         let mut new = Self {
-            desk,
+            endpoint,
             builder,
             control: Control::default(),
             play: None,
-            recipe: first.recipe.clone(),
+            spec: first.spec.clone(),
             paused: false,
             speed: 1.0,
             set: Vec::new(),
@@ -118,11 +118,11 @@ impl Loop {
 
     /// Sleeps until a step is due or something comes. False when nothing can come any more.
     fn round(&mut self) -> bool {
-        let Ok(mut event) = self.desk.wait(self.sleep()) else { return false };
+        let Ok(mut event) = self.endpoint.wait(self.sleep()) else { return false };
         for _ in 0..EVENTS_AT_ONCE {
             let Some(one) = event else { break };
             self.take(one);
-            event = self.desk.next();
+            event = self.endpoint.next();
         }
         if let Some(one) = event {
             self.take(one);
@@ -145,8 +145,9 @@ impl Loop {
 
     fn sleep(&self) -> Duration {
         let due = self.pacer.due().saturating_duration_since(Instant::now());
-        let nap = if self.changed { STATUS_EVERY.saturating_sub(self.told.elapsed()) } else { NAP };
-        if self.is_running() { due.min(nap) } else { nap }
+        let longest =
+            if self.changed { STATUS_EVERY.saturating_sub(self.told.elapsed()) } else { SLEEP_MAX };
+        if self.is_running() { due.min(longest) } else { longest }
     }
 
     fn take(&mut self, event: Event) {
@@ -191,7 +192,7 @@ impl Loop {
         }
         self.cost = begun.elapsed();
         if let (Some(news), Some(holder)) = (play.grip_news(), self.control.holder()) {
-            self.desk.tell(holder, text::error(&news));
+            self.endpoint.tell(holder, text::error(&news));
         }
         let Some(play) = &mut self.play else { return };
         if let Some(watcher) = &mut self.watcher {
@@ -211,7 +212,7 @@ impl Loop {
         let h = play.session().world().time_step();
         let pace = pace(self.paused, self.speed, self.pacer.speed(), h, self.cost);
         let pace = Pace { flags: pace.flags | play.flags(), pose: play.newest_pose(), ..pace };
-        self.publisher.snapshot(play.session(), pace, &self.desk);
+        self.publisher.snapshot(play.session(), pace, &self.endpoint);
     }
 
     /// Rests when nobody has watched for a while; wakes at the scene's start.
@@ -243,13 +244,13 @@ impl Loop {
             viewers: self.control.viewers(),
             paused: self.paused,
             speed: self.speed,
-            scene: &self.recipe.scene,
-            loading: self.builder.wished().map(|recipe| &recipe.scene[..]),
-            hands: self.recipe.hands,
+            scene: &self.spec.scene,
+            loading: self.builder.requested().map(|spec| &spec.scene[..]),
+            hands: self.spec.hands,
             problem: self.problem.as_deref(),
             settings: self.play.as_ref().map_or(Vec::new(), |play| play.session().settings()),
             recording: None,
         };
-        self.desk.show_status(status.text());
+        self.endpoint.show_status(status.text());
     }
 }

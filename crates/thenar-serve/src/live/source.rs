@@ -27,9 +27,9 @@ pub struct Catalogue {
     first: (String, Vec<String>),
 }
 
-/// Recipe of a scene that is to be made ready.
+/// Description of a scene that is to be made ready.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recipe {
+pub struct SceneSpec {
     /// Name of the scene.
     pub scene: String,
     /// The hands in the scene.
@@ -42,7 +42,7 @@ pub struct Recipe {
 #[derive(Debug)]
 pub struct ReadyScene {
     /// From what.
-    pub recipe: Recipe,
+    pub spec: SceneSpec,
     /// To be stepped.
     pub session: Session,
     /// Model message of the scene, of epoch 0.
@@ -71,7 +71,7 @@ impl Catalogue {
     ///
     /// # Errors
     /// There is no such built-in scene.
-    pub fn new(source: &SceneSource, overrides: &[String]) -> Result<(Self, Recipe), LiveError> {
+    pub fn new(source: &SceneSource, overrides: &[String]) -> Result<(Self, SceneSpec), LiveError> {
         let (own, scene) = match source {
             SceneSource::Builtin(name) if builtin(name).is_none() => {
                 return Err(LiveError::Unknown(name.clone()));
@@ -82,9 +82,9 @@ impl Catalogue {
                 (Some((stem.clone().into_owned(), path.clone())), stem.into_owned())
             }
         };
-        let recipe =
-            Recipe { scene: scene.clone(), hands: Hands::Scene, lengths: Lengths::default() };
-        Ok((Self { own, first: (scene, overrides.to_vec()) }, recipe))
+        let spec =
+            SceneSpec { scene: scene.clone(), hands: Hands::Scene, lengths: Lengths::default() };
+        Ok((Self { own, first: (scene, overrides.to_vec()) }, spec))
     }
 
     /// Names and titles, an own scene first.
@@ -114,8 +114,8 @@ impl Catalogue {
     ///
     /// # Errors
     /// There is no such scene, or something in it is wrong.
-    pub fn make(&self, recipe: &Recipe) -> Result<ReadyScene, LiveError> {
-        let name = &recipe.scene;
+    pub fn make(&self, spec: &SceneSpec) -> Result<ReadyScene, LiveError> {
+        let name = &spec.scene;
         let own = self.own.as_ref().filter(|own| own.0 == *name);
         let (text, path) = match (own, builtin(name)) {
             (Some((_, path)), _) => (read_scene(path)?, path.clone()),
@@ -124,12 +124,12 @@ impl Catalogue {
         };
         let own = if self.first.0 == *name { &self.first.1[..] } else { &[] };
         let overrides = live_overrides(&text, own);
-        let Lengths { left, right } = recipe.lengths;
+        let Lengths { left, right } = spec.lengths;
         let mut source = Source::new(&text, &path, &overrides);
-        (source.hands, source.lengths) = (recipe.hands, [left, right]);
+        (source.hands, source.lengths) = (spec.hands, [left, right]);
         let session = Session::open(&source, Files::beside(&path))?;
         let model = protocol::model(&session, name, 0)?;
-        Ok(ReadyScene { recipe: recipe.clone(), session, model })
+        Ok(ReadyScene { spec: spec.clone(), session, model })
     }
 }
 
@@ -138,8 +138,8 @@ mod tests {
     use super::*;
 
     fn work_max(source: &SceneSource, overrides: &[String]) -> Option<f64> {
-        let (catalogue, recipe) = Catalogue::new(source, overrides).unwrap();
-        let ready = catalogue.make(&recipe).unwrap();
+        let (catalogue, spec) = Catalogue::new(source, overrides).unwrap();
+        let ready = catalogue.make(&spec).unwrap();
         assert_eq!(
             ready.session.world().desc().solver.contact_work_max,
             ready.session.scene().solver.as_ref().unwrap().contact_work_max.map(|most| most as u64)

@@ -1,6 +1,6 @@
 //! Commands that clients may give to a recording.
 
-use super::rhythm::Rhythm;
+use super::playback_clock::PlaybackClock;
 use super::run::Loop;
 use crate::hub::ClientId;
 use crate::protocol::{Command, text};
@@ -18,16 +18,16 @@ impl Loop {
         }
         let now = Instant::now();
         match Command::read(message) {
-            Err(reason) => self.desk.refuse(client, &reason),
+            Err(reason) => self.endpoint.refuse(client, &reason),
             Ok(Command::Ping { t }) => {
-                self.desk.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
+                self.endpoint.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
             }
             Ok(Command::Control { take: true }) => {
                 let before = self.control.holder().filter(|before| *before != client);
                 self.control.take(client, now);
                 if let Some(before) = before {
                     let reason = format!("viewer {} has taken control", client.0);
-                    self.desk.tell(before, text::error(&reason));
+                    self.endpoint.tell(before, text::error(&reason));
                 }
             }
             Ok(Command::Control { take: false }) => self.control.give_up(client, now),
@@ -36,7 +36,7 @@ impl Loop {
             Ok(command) => match self.control.may(client, now) {
                 Ok(true) => self.act(client, command),
                 Ok(false) => {}
-                Err(reason) => self.desk.refuse(client, &reason),
+                Err(reason) => self.endpoint.refuse(client, &reason),
             },
         }
     }
@@ -44,7 +44,7 @@ impl Loop {
     /// A pose, of whatever kind.
     pub(super) fn pose(&mut self, client: ClientId) {
         if self.scold.is_due(Instant::now()) {
-            self.desk.tell(client, text::error(RECORDED));
+            self.endpoint.tell(client, text::error(RECORDED));
         }
     }
 
@@ -52,7 +52,7 @@ impl Loop {
         match command {
             Command::Run { paused } => {
                 self.paused = paused;
-                self.rhythm = Rhythm::new(self.deck.at(), Instant::now());
+                self.clock = PlaybackClock::new(self.player.at(), Instant::now());
                 self.show();
             }
             Command::Step {} if self.paused => {
@@ -61,18 +61,18 @@ impl Loop {
                 }
             }
             Command::Step {} => {
-                self.desk.tell(client, text::error("pause first, then go step by step"));
+                self.endpoint.tell(client, text::error("pause first, then go step by step"));
             }
             Command::Reset {} => self.seek(0.0),
             Command::Seek { time } => self.seek(time),
             Command::Speed { value } => {
                 self.speed = value;
-                self.rhythm = Rhythm::new(self.deck.at(), Instant::now());
+                self.clock = PlaybackClock::new(self.player.at(), Instant::now());
             }
             // The page says so whenever somebody lets go of the hand.
             Command::Script {} => {}
             // Not worth being sent away for.
-            _ => self.desk.tell(client, text::error(RECORDED)),
+            _ => self.endpoint.tell(client, text::error(RECORDED)),
         }
     }
 }

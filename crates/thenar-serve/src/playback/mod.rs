@@ -5,13 +5,13 @@
 //! moves a recorded session is in the recording. Nobody watching, it waits.
 
 mod commands;
-mod deck;
-mod rhythm;
+mod playback_clock;
+mod player;
 mod run;
 
 use crate::hub::{Hub, pair};
 use crate::protocol;
-use deck::Deck;
+use player::Player;
 use run::Loop;
 use std::path::Path;
 use std::sync::Arc;
@@ -50,12 +50,12 @@ impl Playback {
     /// # Errors
     /// It cannot be replayed, or no thread can be started.
     pub fn start(file: &Path, from: f64) -> Result<(Self, Hub), PlaybackError> {
-        let deck = Deck::open(file, from)?;
-        let (hub, desk) = pair();
+        let player = Player::open(file, from)?;
+        let (hub, endpoint) = pair();
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let stop = Arc::new(AtomicBool::new(false));
         let told = stop.clone();
-        let running = Loop::new(desk, deck, name)?;
+        let running = Loop::new(endpoint, player, name)?;
         let named = std::thread::Builder::new().name("replay".into());
         let thread = named.spawn(move || running.run(&told))?;
         Ok((Self { stop, thread: Some(thread) }, hub))

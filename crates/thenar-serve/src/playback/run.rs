@@ -1,15 +1,15 @@
 //! The loop: events, steps of the recording, snapshots.
 
 use super::PlaybackError;
-use super::deck::Deck;
-use super::rhythm::Rhythm;
-use crate::hub::{Desk, Event};
+use super::playback_clock::PlaybackClock;
+use super::player::Player;
+use crate::hub::{Event, HubEndpoint};
 use crate::live::control::Control;
 use crate::live::play::mover_flags;
 use crate::live::publish::Publisher;
 use crate::live::status::{Recorded, Status};
 use crate::protocol::{self, Pace};
-use crate::rounds::{EVENTS_AT_ONCE, NAP, STATUS_EVERY, Scold, pace};
+use crate::rounds::{EVENTS_AT_ONCE, SLEEP_MAX, STATUS_EVERY, Scold, pace};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use thenar_scene::hands::Hands;
@@ -25,9 +25,9 @@ const SNAPSHOT_EVERY: Duration = Duration::from_micros(8300);
 
 /// All that the thread holds.
 pub struct Loop {
-    pub(super) desk: Desk,
+    pub(super) endpoint: HubEndpoint,
     pub(super) control: Control,
-    pub(super) deck: Deck,
+    pub(super) player: Player,
     file: String,
     pub(super) paused: bool,
     pub(super) speed: f64,
@@ -35,7 +35,7 @@ pub struct Loop {
     made: Option<f64>,
     /// Since when the end has been shown.
     ended: Option<Instant>,
-    pub(super) rhythm: Rhythm,
+    pub(super) clock: PlaybackClock,
     publisher: Publisher,
     /// Scene whose model clients have.
     scene: u32,
@@ -53,13 +53,13 @@ impl Loop {
     ///
     /// # Errors
     /// The scene is too large for a page.
-    pub fn new(desk: Desk, deck: Deck, file: String) -> Result<Self, PlaybackError> {
+    pub fn new(endpoint: HubEndpoint, player: Player, file: String) -> Result<Self, PlaybackError> {
         let now = Instant::now();
         let mut new = Self {
-            desk,
+            endpoint,
             control: Control::default(),
-            rhythm: Rhythm::new(deck.at(), now),
-            deck,
+            clock: PlaybackClock::new(player.at(), now),
+            player,
             file,
             paused: false,
             speed: 1.0,
@@ -87,17 +87,17 @@ impl Loop {
 
     /// Sleeps until something is due or comes. False when nothing can come any more.
     fn round(&mut self) -> bool {
-        let Ok(mut event) = self.desk.wait(self.sleep()) else { return false };
+        let Ok(mut event) = self.endpoint.wait(self.sleep()) else { return false };
         for _ in 0..EVENTS_AT_ONCE {
             let Some(one) = event else { break };
             self.take(one);
-            event = self.desk.next();
+            event = self.endpoint.next();
         }
         if let Some(one) = event {
             self.take(one);
         }
-        if self.deck.is_seeking() {
-            if self.deck.approach(APPROACH) {
+        if self.player.is_seeking() {
+            if self.player.approach(APPROACH) {
                 self.arrive();
             }
         } else if self.is_running() {
@@ -116,14 +116,14 @@ impl Loop {
 
     fn sleep(&self) -> Duration {
         match self.made {
-            _ if self.deck.is_seeking() => Duration::ZERO,
+            _ if self.player.is_seeking() => Duration::ZERO,
             Some(at) if self.is_running() => {
-                let due = self.rhythm.due(at, self.speed);
-                due.saturating_duration_since(Instant::now()).min(NAP)
+                let due = self.clock.due(at, self.speed);
+                due.saturating_duration_since(Instant::now()).min(SLEEP_MAX)
             }
             None if self.is_running() && self.ended.is_none() => Duration::ZERO,
             _ if self.changed => STATUS_EVERY.saturating_sub(self.told.elapsed()),
-            _ => NAP,
+            _ => SLEEP_MAX,
         }
     }
 
@@ -133,7 +133,7 @@ impl Loop {
             Event::Joined(client) => {
                 // Whoever comes first sees it go on from where it was left.
                 if self.control.viewers() == 0 {
-                    self.rhythm = Rhythm::new(self.deck.at(), Instant::now());
+                    self.clock = PlaybackClock::new(self.player.at(), Instant::now());
                 }
                 self.control.join(client);
             }
@@ -152,9 +152,9 @@ impl Loop {
             }
             return;
         }
-        if let Some(at) = self.made.filter(|at| now >= self.rhythm.due(*at, self.speed)) {
+        if let Some(at) = self.made.filter(|at| now >= self.clock.due(*at, self.speed)) {
             self.made = None;
-            self.rhythm.shown(at, self.speed, now);
+            self.clock.shown(at, self.speed, now);
             if now - self.shown >= SNAPSHOT_EVERY {
                 self.show();
             }
@@ -166,17 +166,17 @@ impl Loop {
 
     /// Makes a step, to be shown when it is due. False at the end.
     pub(super) fn make(&mut self) -> bool {
-        self.made = self.deck.step();
+        self.made = self.player.step();
         if self.made.is_none() {
             (self.ended, self.changed) = (Some(Instant::now()), true);
             self.show();
         }
-        if self.scene != self.deck.scene()
+        if self.scene != self.player.scene()
             && let Err(error) = self.show_scene()
         {
             (self.problem, self.paused) = (Some(error.to_string()), true);
         }
-        let problem = self.deck.problem();
+        let problem = self.player.problem();
         if self.problem != problem {
             (self.problem, self.changed) = (problem, true);
         }
@@ -186,30 +186,30 @@ impl Loop {
     /// Sets out for another place.
     pub(super) fn seek(&mut self, seconds: f64) {
         (self.made, self.ended, self.changed) = (None, None, true);
-        if let Err(error) = self.deck.seek(seconds) {
+        if let Err(error) = self.player.seek(seconds) {
             (self.problem, self.paused) = (Some(error.to_string()), true);
         }
     }
 
     /// The place that was sought is reached.
     fn arrive(&mut self) {
-        if self.scene != self.deck.scene()
+        if self.scene != self.player.scene()
             && let Err(error) = self.show_scene()
         {
             (self.problem, self.paused) = (Some(error.to_string()), true);
         }
-        self.problem = self.deck.problem();
+        self.problem = self.player.problem();
         self.changed = true;
-        self.rhythm = Rhythm::new(self.deck.at(), Instant::now());
+        self.clock = PlaybackClock::new(self.player.at(), Instant::now());
         self.show();
     }
 
     /// Sends the model of the scene that has begun.
     fn show_scene(&mut self) -> Result<(), PlaybackError> {
-        let session = self.deck.session().ok_or(PlaybackError::Empty)?;
+        let session = self.player.session().ok_or(PlaybackError::Empty)?;
         let model = protocol::model(session, session.name(), 0)?;
-        self.scene = self.deck.scene();
-        self.publisher.model(model, &self.desk);
+        self.scene = self.player.scene();
+        self.publisher.model(model, &self.endpoint);
         self.changed = true;
         Ok(())
     }
@@ -220,16 +220,16 @@ impl Loop {
         if self.paused {
             self.made = None;
         }
-        let Some(session) = self.deck.session() else { return };
+        let Some(session) = self.player.session() else { return };
         let h = session.world().time_step();
-        let pace = pace(self.paused, self.speed, self.rhythm.speed(), h, self.deck.cost());
+        let pace = pace(self.paused, self.speed, self.clock.speed(), h, self.player.cost());
         let pace = Pace { flags: pace.flags | mover_flags(session), ..pace };
-        self.publisher.snapshot(session, pace, &self.desk);
+        self.publisher.snapshot(session, pace, &self.endpoint);
     }
 
     fn tell_status(&mut self) {
         (self.changed, self.told) = (false, Instant::now());
-        let Some(session) = self.deck.session() else { return };
+        let Some(session) = self.player.session() else { return };
         let status = Status {
             control: self.control.holder().map(|client| client.0),
             viewers: self.control.viewers(),
@@ -242,10 +242,10 @@ impl Loop {
             settings: session.settings(),
             recording: Some(Recorded {
                 file: &self.file,
-                time: self.deck.at(),
-                end: self.deck.end(),
+                time: self.player.at(),
+                end: self.player.end(),
             }),
         };
-        self.desk.show_status(status.text());
+        self.endpoint.show_status(status.text());
     }
 }

@@ -6,8 +6,8 @@ use thenar_core::model::{Motion, RigidDesc};
 use thenar_core::shape::{PlacedShape, Shape};
 use thenar_core::{Mat3, Pose, Vec3};
 use thenar_rig::TriMesh;
-use thenar_rig::object::Paint;
-use thenar_scene::build::RigidLook;
+use thenar_rig::object::ColourRun;
+use thenar_scene::build::RigidAppearance;
 
 /// A rigid body.
 #[derive(Debug, Serialize)]
@@ -40,7 +40,7 @@ pub struct Mesh {
 /// mean they never move.
 pub fn rigid(
     desc: &RigidDesc,
-    look: Option<&RigidLook>,
+    look: Option<&RigidAppearance>,
     bone: bool,
     scripted: bool,
     arrays: &mut Arrays,
@@ -69,7 +69,7 @@ pub fn rigid(
     let mesh = match (look.and_then(|look| look.mesh.as_ref()), &desc.shape) {
         (Some((mesh, paint)), _) => {
             // A colour that the scene gives goes over the mesh's own.
-            let paint: &[Paint] = if colour.is_some() { &[] } else { paint };
+            let paint: &[ColourRun] = if colour.is_some() { &[] } else { paint };
             Some(drawn(mesh, paint, arrays))
         }
         (None, Some(Shape::Mesh(shape))) => {
@@ -118,7 +118,7 @@ fn part(part: &PlacedShape, pose_BS: &Pose, arrays: &mut Arrays) -> Rigid {
     rigid(&desc, None, false, false, arrays)
 }
 
-pub(super) fn drawn(mesh: &TriMesh, paint: &[Paint], arrays: &mut Arrays) -> Mesh {
+pub(super) fn drawn(mesh: &TriMesh, paint: &[ColourRun], arrays: &mut Arrays) -> Mesh {
     Mesh {
         positions: arrays.points(&mesh.positions),
         triangles: arrays.triangles(&mesh.triangles),
@@ -128,7 +128,7 @@ pub(super) fn drawn(mesh: &TriMesh, paint: &[Paint], arrays: &mut Arrays) -> Mes
 }
 
 /// Colours of a mesh's vertices; its parts share none.
-fn painted(mesh: &TriMesh, paint: &[Paint]) -> Vec<[u8; 4]> {
+fn painted(mesh: &TriMesh, paint: &[ColourRun]) -> Vec<[u8; 4]> {
     let mut colours = vec![[204, 204, 204, 255]; mesh.positions.len()];
     for (k, part) in paint.iter().enumerate() {
         let end = paint.get(k + 1).map_or(mesh.triangles.len(), |next| next.first as usize);

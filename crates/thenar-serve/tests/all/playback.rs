@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use thenar_core::{Pose, Vec3};
 use thenar_record::{Header, Recorder};
 use thenar_scene::live::LivePose;
-use thenar_scene::recording::{SessionTape, TimeOf};
+use thenar_scene::recording::{SessionWriter, TimeOf};
 use thenar_scene::session::{Session, Witness};
 use thenar_scene::tuning::SettingValue;
 use thenar_serve::playback::{Playback, PlaybackError};
@@ -59,8 +59,9 @@ impl Recording {
         let file = std::env::temp_dir().join(format!("thenar-play-{name}-{}", std::process::id()));
         let _ = std::fs::remove_file(&file);
         let recorder = Recorder::create(&file, &Header::default()).unwrap();
-        let tape = SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Simulation, 0.1);
-        let mut witness: Option<Box<dyn Witness>> = Some(Box::new(tape));
+        let writer =
+            SessionWriter::new(recorder.session(), recorder.clock(), TimeOf::Simulation, 0.1);
+        let mut witness: Option<Box<dyn Witness>> = Some(Box::new(writer));
         let mut poses = Vec::new();
         for text in [GLOVE, BALL] {
             let mut session = Session::from_text(text, "scene.toml".as_ref(), &[]).unwrap();

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thenar_core::{Pose, Vec3};
 use thenar_record::{Header, Recorder};
-use thenar_scene::recording::{Event, Replay, SessionTape, TimeOf};
+use thenar_scene::recording::{Event, Replay, SessionWriter, TimeOf};
 use thenar_serve::live::{Live, Options, SceneSource};
 
 const SCENE: &str = r#"
@@ -51,10 +51,10 @@ fn a_live_session_is_replayed_to_the_bit_with_all_that_entered_it() {
     std::fs::write(&scene, SCENE).unwrap();
 
     let recorder = Recorder::create(&file, &Header::default()).unwrap();
-    let tape = SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Clock, 0.25);
+    let writer = SessionWriter::new(recorder.session(), recorder.clock(), TimeOf::Clock, 0.25);
     let once = AtomicBool::new(true);
     let options = Options {
-        witness: Some(Box::new(tape)),
+        witness: Some(Box::new(writer)),
         watcher: Some(Box::new(move |session| {
             let fails = session.name() == "falling-box" && session.steps() == 30;
             assert!(!(fails && once.swap(false, Ordering::Relaxed)), "made to fail");

@@ -102,7 +102,7 @@ impl Felt {
 
     fn serve(&self) -> Server {
         let options = http::Options {
-            reach: Reach::Desk,
+            reach: Reach::Loopback,
             address: None,
             port: Port::Exactly(0),
             limits: http::RequestLimits::default(),

@@ -8,7 +8,7 @@ use thenar_serve::http::RequestLimits;
 /// Of a hundred, 64 are served and 36 hear why not; when those have left, others get in.
 #[test]
 fn a_hundred_clients() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut clients: Vec<_> = (0..100).map(|_| stage.try_join()).collect();
     let refused = clients.extract_if(.., |client| client.is_err()).filter_map(Result::err);
     assert_eq!(refused.collect::<Vec<_>>(), [503; 36]);
@@ -44,7 +44,7 @@ fn half_open(stage: &Stage, count: usize) -> Vec<TcpStream> {
 
 #[test]
 fn connections_that_ask_for_nothing_keep_nobody_out() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut first = stage.join();
     let limits = RequestLimits::default();
     for count in [limits.connections_per_address, 2 * limits.connections] {

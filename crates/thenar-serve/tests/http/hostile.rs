@@ -40,7 +40,7 @@ fn by_hand(stage: &Stage, bytes: &[u8]) -> Client {
 
 #[test]
 fn what_is_too_long_is_refused_or_ends_the_session() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut good = stage.join();
     let mut client = stage.join();
     client.snapshot();
@@ -68,7 +68,7 @@ fn what_is_too_long_is_refused_or_ends_the_session() {
 
 #[test]
 fn what_is_no_websocket_ends_the_session() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut good = stage.join();
     let cases: [(&str, Vec<u8>, u16); 8] = [
         ("text that is not UTF-8", frame(0x81, &[0xc3, 0x28]), 1007),
@@ -89,7 +89,7 @@ fn what_is_no_websocket_ends_the_session() {
 
 #[test]
 fn pieces_are_put_together_within_the_same_bounds() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut good = stage.join();
     let pieces =
         [frame(0x01, b"one "), frame(0x00, b"two "), frame(0x89, b"?"), frame(0x80, b"three")];
@@ -104,7 +104,7 @@ fn pieces_are_put_together_within_the_same_bounds() {
 
 #[test]
 fn sessions_that_break_off_anywhere_leave_nothing_behind() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut good = stage.join();
     let whole = [frame(0x01, b"half "), frame(0x80, b"done"), frame(0x82, &[7; 300])].concat();
     let cuts: Vec<usize> = (0..whole.len()).step_by(13).collect();
@@ -122,7 +122,7 @@ fn bytes(random: &mut Random, count: usize) -> Vec<u8> {
 
 #[test]
 fn noise_is_survived() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut good = stage.join();
     let mut random = Random::new(1);
     for round in 0..100 {
@@ -182,7 +182,7 @@ fn who_never_reads_is_cut_off() {
         stuck: Duration::from_millis(500),
         ..RequestLimits::default()
     };
-    let stage = Stage::new(Reach::Desk, limits, 30_000_000);
+    let stage = Stage::new(Reach::Loopback, limits, 30_000_000);
     let mut good = stage.join();
     good.watch(3);
     let mut full = stage.join_raw();
@@ -201,7 +201,7 @@ fn who_never_reads_is_cut_off() {
 /// there are.
 #[test]
 fn who_reads_nothing_gives_way_to_who_does() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut good = stage.join();
     let mut idle: Vec<TcpStream> =
         (1..RequestLimits::default().clients).map(|_| stage.join_raw()).collect();

@@ -21,7 +21,7 @@ fn header<'a>(reply: &'a str, name: &str) -> &'a str {
 
 #[test]
 fn the_page_comes_with_its_types_and_its_fence() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     for (path, asset) in page::assets() {
         let reply = stage.get(&path, "");
         assert_eq!(status(&reply), 200, "{path}");
@@ -52,7 +52,7 @@ fn the_page_comes_with_its_types_and_its_fence() {
 /// A gzipped reply holds the same bytes as a plain one, and a known tag brings no bytes at all.
 #[test]
 fn a_file_is_the_same_however_it_travels() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let gzipped = page::assets().into_iter().filter(|(_, a)| a.gzipped).map(|(path, _)| path);
     for path in gzipped.take(3) {
         let ask = |headers: &str| {
@@ -82,7 +82,7 @@ fn a_file_is_the_same_however_it_travels() {
 
 #[test]
 fn only_names_of_this_computer_are_answered() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let ask =
         |headers: &str| {
             status(&stage.exchange(
@@ -108,7 +108,7 @@ fn only_names_of_this_computer_are_answered() {
 
 #[test]
 fn only_own_pages_and_programs_reach_the_socket() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let host = stage.host.clone();
     let ask = |headers: &str| {
         let mut stream = stage.connect();
@@ -130,7 +130,7 @@ fn only_own_pages_and_programs_reach_the_socket() {
 
 #[test]
 fn no_path_leads_out_of_the_page() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     for path in [
         "/../Cargo.toml",
         "/../../../../../../etc/passwd",
@@ -160,7 +160,7 @@ fn no_path_leads_out_of_the_page() {
 
 #[test]
 fn what_is_no_proper_request_is_refused() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let host = &stage.host;
     let ask = |line: &str, headers: &str| {
         status(&stage.exchange(format!("{line}\r\nHost: {host}\r\n{headers}\r\n").as_bytes()))

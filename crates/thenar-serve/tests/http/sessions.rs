@@ -7,7 +7,7 @@ use tokio_tungstenite::tungstenite::Message;
 
 #[test]
 fn a_session_opens_with_welcome_status_model_and_snapshots() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     stage.wait("snapshots", |s| s.number.load(Ordering::Relaxed) > 3);
     let mut client = stage.join();
     let Got::Text(welcome) = client.next() else { panic!("no welcome") };
@@ -21,7 +21,7 @@ fn a_session_opens_with_welcome_status_model_and_snapshots() {
 
 #[test]
 fn clients_are_told_apart() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let (mut a, mut b) = (stage.join(), stage.join());
     for client in [&mut a, &mut b] {
         client.snapshot();
@@ -42,7 +42,7 @@ fn clients_are_told_apart() {
 /// then new ones.
 #[test]
 fn a_slow_client_gets_no_old_snapshots() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut client = stage.join();
     let seen = client.snapshot();
     stage.wait("snapshots", |s| s.number.load(Ordering::Relaxed) > seen + 300);
@@ -54,7 +54,7 @@ fn a_slow_client_gets_no_old_snapshots() {
 /// However models change, each snapshot follows the model that it belongs to.
 #[test]
 fn a_snapshot_never_comes_before_its_model() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut client = stage.join();
     let mut epoch = 0;
     let (mut models, mut snapshots) = (0, 0);
@@ -86,7 +86,7 @@ fn pose(hand: u8, number: u32) -> Message {
 /// each hand arrives.
 #[test]
 fn of_too_many_poses_the_newest_counts() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut client = stage.join();
     for number in 1..=600 {
         for hand in [0, 1] {
@@ -113,7 +113,7 @@ fn of_too_many_poses_the_newest_counts() {
 
 #[test]
 fn the_tenth_refusal_ends_a_session() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut client = stage.join();
     client.snapshot();
     for _ in 0..9 {
@@ -132,7 +132,7 @@ fn the_tenth_refusal_ends_a_session() {
 
 #[test]
 fn texts_beyond_the_rate_are_dropped_with_a_word() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut client = stage.join();
     for _ in 0..400 {
         client.text("yes");
@@ -152,7 +152,7 @@ fn texts_beyond_the_rate_are_dropped_with_a_word() {
 
 #[test]
 fn everyone_hears_that_the_server_ends_and_the_port_is_free() {
-    let mut stage = Stage::desk();
+    let mut stage = Stage::endpoint();
     let mut clients = [stage.join(), stage.join()];
     for client in &mut clients {
         client.snapshot();
@@ -165,7 +165,7 @@ fn everyone_hears_that_the_server_ends_and_the_port_is_free() {
 
 #[test]
 fn everyone_hears_that_the_simulation_has_ended() {
-    let stage = Stage::desk();
+    let stage = Stage::endpoint();
     let mut client = stage.join();
     client.snapshot();
     stage.shared.end.store(true, Ordering::Relaxed);

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use thenar_serve::http::{Options, Port, Reach, RequestLimits, Server};
-use thenar_serve::hub::{ClientId, ClientNote, Desk, Event, pair};
+use thenar_serve::hub::{ClientId, ClientNotice, Event, HubEndpoint, pair};
 use tokio_tungstenite::tungstenite::client::{IntoClientRequest, client_with_config};
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::tungstenite::{Error, Message, WebSocket};
@@ -24,7 +24,7 @@ pub struct Stage {
     /// `127.0.0.1:PORT`
     pub host: String,
     pub shared: Arc<Shared>,
-    desk: Option<JoinHandle<()>>,
+    endpoint: Option<JoinHandle<()>>,
 }
 
 /// What the stand-in and the test both see.
@@ -40,28 +40,28 @@ pub struct Shared {
 }
 
 impl Stage {
-    pub fn desk() -> Self {
-        Self::new(Reach::Desk, RequestLimits::default(), 1000)
+    pub fn endpoint() -> Self {
+        Self::new(Reach::Loopback, RequestLimits::default(), 1000)
     }
 
     pub fn with(limits: RequestLimits) -> Self {
-        Self::new(Reach::Desk, limits, 1000)
+        Self::new(Reach::Loopback, limits, 1000)
     }
 
     /// With a model of this many bytes.
     pub fn new(reach: Reach, limits: RequestLimits, model: usize) -> Self {
-        let (hub, desk) = pair();
+        let (hub, endpoint) = pair();
         let address = Some(IpAddr::from(Ipv4Addr::LOCALHOST));
         let options = Options { reach, address, port: Port::Exactly(0), limits };
         let shared = Arc::new(Shared::default());
         shared.epoch.store(1, Ordering::Relaxed);
         let told = shared.clone();
-        desk.status.send_replace(STATUS.into());
-        desk.model.send_replace(message(1, 1, 0, model).into());
-        let desk = std::thread::spawn(move || play(&desk, &told, model));
+        endpoint.status.send_replace(STATUS.into());
+        endpoint.model.send_replace(message(1, 1, 0, model).into());
+        let endpoint = std::thread::spawn(move || play(&endpoint, &told, model));
         let server = Server::start(&options, hub).unwrap();
         let host = server.address().to_string();
-        Self { server: Some(server), host, shared, desk: Some(desk) }
+        Self { server: Some(server), host, shared, endpoint: Some(endpoint) }
     }
 
     /// A connection without anything said.
@@ -143,8 +143,8 @@ impl Drop for Stage {
     fn drop(&mut self) {
         self.server.take();
         self.shared.end.store(true, Ordering::Relaxed);
-        if let Some(desk) = self.desk.take() {
-            let _ = desk.join();
+        if let Some(endpoint) = self.endpoint.take() {
+            let _ = endpoint.join();
         }
     }
 }
@@ -177,23 +177,27 @@ fn message(kind: u8, epoch: u32, number: u32, length: usize) -> Vec<u8> {
 
 /// The stand-in: publishes a snapshot every millisecond or so, and answers texts: what begins with
 /// `no` is refused, everything else said back.
-fn play(desk: &Desk, shared: &Shared, model: usize) {
+fn play(endpoint: &HubEndpoint, shared: &Shared, model: usize) {
     let mut epoch = 1;
     while !shared.end.load(Ordering::Relaxed) {
-        while let Some(event) = desk.next() {
+        while let Some(event) = endpoint.next() {
             if let Event::Text(client, text) = &event {
                 let refusal = text.starts_with("no");
-                desk.note(ClientNote { client: *client, text: format!("heard {text}"), refusal });
+                endpoint.note(ClientNotice {
+                    client: *client,
+                    text: format!("heard {text}"),
+                    refusal,
+                });
             }
             shared.events.lock().unwrap().push(event);
         }
         let wanted = shared.epoch.load(Ordering::Relaxed);
         if wanted != epoch {
             epoch = wanted;
-            desk.model.send_replace(message(1, epoch, 0, model).into());
+            endpoint.model.send_replace(message(1, epoch, 0, model).into());
         }
         let number = shared.number.fetch_add(1, Ordering::Relaxed) + 1;
-        desk.snapshot.send_replace(message(2, epoch, number, 10_000).into());
+        endpoint.snapshot.send_replace(message(2, epoch, number, 10_000).into());
         std::thread::sleep(Duration::from_millis(1));
     }
 }

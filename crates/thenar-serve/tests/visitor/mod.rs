@@ -6,7 +6,7 @@ use crate::decoder::{Model, Snapshot};
 use serde_json::Value;
 use std::time::{Duration, Instant};
 use thenar_core::{Pose, Vec3};
-use thenar_serve::hub::{ClientId, ClientNote, Event, Hub, Refused};
+use thenar_serve::hub::{ClientId, ClientNotice, Event, Hub, Refused};
 use thenar_serve::live::{Live, Options, SceneSource};
 
 /// Nothing that is waited for takes longer, however busy the machine.
@@ -23,7 +23,7 @@ pub fn start(scene: &str, overrides: &[&str]) -> (Live, Hub) {
 pub struct Visitor {
     pub hub: Hub,
     pub id: ClientId,
-    notes: tokio::sync::broadcast::Receiver<ClientNote>,
+    notes: tokio::sync::broadcast::Receiver<ClientNotice>,
     number: u32,
 }
 

@@ -11,7 +11,7 @@ const STOP_FORCES: [f64; 2] = [0.3, 0.1];
 
 /// Abilities of a display, and their limits.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Ability {
+pub struct Capability {
     /// Kind of rendering.
     pub rendering: Rendering,
     /// Limits of its forces.
@@ -50,7 +50,7 @@ enum Guards {
 
 /// Signs of life of a device, for the guards' stale checks.
 #[derive(Clone, Copy, Debug)]
-pub struct Heard {
+pub struct Liveness {
     /// The device \[ns\].
     pub device_ns: u64,
     /// A dead-man switch is held, or there is none.
@@ -62,8 +62,8 @@ impl Actuators {
     ///
     /// # Errors
     /// The limits make no sense.
-    pub fn new(ability: &Ability) -> Result<Self, LimitError> {
-        let Ability { rendering, limits, torque_limits } = *ability;
+    pub fn new(capability: &Capability) -> Result<Self, LimitError> {
+        let Capability { rendering, limits, torque_limits } = *capability;
         let bank = match rendering {
             // In one bank: what trips the torque trips the force.
             Rendering::Wrench => Guards::Point(match torque_limits {
@@ -115,10 +115,10 @@ impl Actuators {
     }
 
     /// Returns the output to show after a tick of the hand.
-    pub fn tick(&mut self, now_ns: u64, hand: &mut LoopHand, heard: Heard) -> HandOutput {
+    pub fn tick(&mut self, now_ns: u64, hand: &mut LoopHand, heard: Liveness) -> HandOutput {
         let mut output = HandOutput::released(hand.side(), now_ns);
         let (simulation_ns, tracking_ns) = (hand.simulated_ns(), hand.tracked_ns());
-        let Heard { device_ns, enabled } = heard;
+        let Liveness { device_ns, enabled } = heard;
         match &mut self.bank {
             Guards::Fingers(bank) => {
                 bank.see_late(hand.seen_late());

@@ -5,9 +5,9 @@ mod state;
 
 pub use state::CoreState;
 
-use super::actuators::{Ability, Actuators, Heard};
+use super::actuators::{Actuators, Capability, Liveness};
 use super::hand::LoopHand;
-use super::incident::{Input, Tape};
+use super::incident::{IncidentWriter, Input};
 use super::record::TickRecord;
 use crate::safety::{LimitError, Limits, Status, Trip};
 use crate::{ForceDisplay, HandOutput, Rendering, Tracker};
@@ -18,7 +18,7 @@ use thenar_track::live::Mover;
 pub struct Core {
     trackers: Vec<Box<dyn Tracker>>,
     /// Abilities of each display.
-    displays: Vec<Ability>,
+    displays: Vec<Capability>,
     hands: Vec<LoopHand>,
     /// Display by display, hand by hand.
     actuators: Vec<Actuators>,
@@ -32,7 +32,7 @@ pub struct Core {
     fading: Option<Trip>,
     records: Producer<TickRecord>,
     /// Tape that keeps all inputs for an incident.
-    tape: Option<Tape>,
+    incident_writer: Option<IncidentWriter>,
     /// Records that found no room.
     lost: u64,
 }
@@ -57,10 +57,10 @@ impl Core {
     /// A display's limits make no sense.
     pub fn new(
         trackers: Vec<Box<dyn Tracker>>,
-        displays: Vec<Ability>,
+        displays: Vec<Capability>,
         records: Producer<TickRecord>,
     ) -> Result<Self, LimitError> {
-        for Ability { limits, torque_limits, .. } in &displays {
+        for Capability { limits, torque_limits, .. } in &displays {
             limits.check()?;
             torque_limits.as_ref().map_or(Ok(()), Limits::check)?;
         }
@@ -75,7 +75,7 @@ impl Core {
             stopped: None,
             fading: None,
             records,
-            tape: None,
+            incident_writer: None,
             lost: 0,
         })
     }
@@ -85,20 +85,20 @@ impl Core {
     ///
     /// # Errors
     /// As [`Core::new`].
-    pub fn guards(displays: &[Ability], hands: usize) -> Result<Vec<Actuators>, LimitError> {
+    pub fn guards(displays: &[Capability], hands: usize) -> Result<Vec<Actuators>, LimitError> {
         let each = displays.iter().flat_map(|display| std::iter::repeat_n(display, hands));
         each.map(Actuators::new).collect()
     }
 
     /// Keeps what enters by this from now on.
-    pub fn keep_by(&mut self, tape: Tape) {
-        self.tape = Some(tape);
+    pub fn keep_by(&mut self, incident_writer: IncidentWriter) {
+        self.incident_writer = Some(incident_writer);
     }
 
     /// Takes down what enters.
     fn note(&mut self, input: Input) {
-        if let Some(tape) = &mut self.tape {
-            tape.input(input);
+        if let Some(incident_writer) = &mut self.incident_writer {
+            incident_writer.input(input);
         }
     }
 
@@ -119,8 +119,8 @@ impl Core {
         if let Some(reason) = self.stopped {
             self.stop(reason);
         }
-        if let Some(tape) = &mut self.tape {
-            tape.begin();
+        if let Some(incident_writer) = &mut self.incident_writer {
+            incident_writer.begin();
         }
     }
 
@@ -190,14 +190,14 @@ impl Core {
         let enabled = enabled && self.fading.is_none();
         for (number, hand) in self.hands.iter_mut().enumerate() {
             let frame = hand.update(now_ns);
-            if let (Some(step), Some(tape)) = (frame, &mut self.tape) {
-                tape.input(Input::Frame(number as u8, step));
+            if let (Some(step), Some(incident_writer)) = (frame, &mut self.incident_writer) {
+                incident_writer.input(Input::Frame(number as u8, step));
             }
             for (index, tracker) in self.trackers.iter_mut().enumerate() {
                 let timing = tracker.timing();
                 if let Some(sample) = tracker.latest(hand.side()) {
-                    if let Some(tape) = &mut self.tape {
-                        tape.sample(index, sample, timing);
+                    if let Some(incident_writer) = &mut self.incident_writer {
+                        incident_writer.sample(index, sample, timing);
                     }
                     hand.take_timed(index, sample, now_ns, timing);
                 }
@@ -206,7 +206,7 @@ impl Core {
         }
         let hands = self.hands.len().max(1);
         for (i, actuators) in self.actuators.iter_mut().enumerate() {
-            let heard = Heard { device_ns: self.heard[i / hands], enabled };
+            let heard = Liveness { device_ns: self.heard[i / hands], enabled };
             self.outputs[i] = actuators.tick(now_ns, &mut self.hands[i % hands], heard);
         }
         if let Some(reason) = self.fading.filter(|_| self.is_forceless()) {
@@ -223,9 +223,9 @@ impl Core {
         self.write_records(time);
         self.note(Input::Tick(now_ns, held));
         // Out of its place for as long as it looks at all the rest.
-        if let Some(mut tape) = self.tape.take() {
-            tape.state(now_ns, |room| self.write_state(room));
-            self.tape = Some(tape);
+        if let Some(mut incident_writer) = self.incident_writer.take() {
+            incident_writer.state(now_ns, |room| self.write_state(room));
+            self.incident_writer = Some(incident_writer);
         }
     }
 
@@ -277,7 +277,7 @@ impl Core {
     }
 
     /// Returns the abilities of each display.
-    pub fn displays(&self) -> &[Ability] {
+    pub fn displays(&self) -> &[Capability] {
         &self.displays
     }
 

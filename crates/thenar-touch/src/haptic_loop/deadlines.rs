@@ -9,13 +9,13 @@ use std::time::Duration;
 /// interrupted between reading the clock and sleeping costs nothing. Elsewhere it sleeps until half
 /// a millisecond before the deadline and spins for the rest.
 #[derive(Clone, Copy, Debug)]
-pub struct Alarm {
+pub struct DeadlineTimer {
     /// The system's monotonic clock minus ours \[ns\].
     #[cfg_attr(not(target_os = "linux"), allow(dead_code))]
     offset_ns: i128,
 }
 
-impl Alarm {
+impl DeadlineTimer {
     /// Finds out how the clocks lie.
     pub fn set() -> Self {
         Self { offset_ns: offset_ns() }
@@ -115,11 +115,11 @@ mod tests {
     }
 
     #[test]
-    fn the_alarm_never_rings_early() {
-        let alarm = Alarm::set();
+    fn the_timer_never_fires_early() {
+        let timer = DeadlineTimer::set();
         for k in 0..20 {
             let deadline = now_ns() + 100_000 * k;
-            alarm.wait(deadline);
+            timer.wait(deadline);
             assert!(now_ns() >= deadline);
         }
     }

@@ -1,7 +1,7 @@
 //! Data that cross between the simulation's thread and the loop: newest values, in slots in which
 //! neither side waits for the other.
 
-use crate::{DIGITS, FastToSlow, RigidState, SlowToFast};
+use crate::{BoneFrame, DIGITS, ProxyTargets, RigidState};
 use serde::{Deserialize, Serialize};
 use thenar_core::world::{self, State, Target};
 use triple_buffer::{Input, Output, triple_buffer};
@@ -23,7 +23,7 @@ pub struct FingerContact {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Frame {
     /// Bones, and how they answer.
-    pub bones: SlowToFast,
+    pub bones: BoneFrame,
     /// Time at which the frame was made \[ns\]; 0 for the one before the first.
     pub made_ns: u64,
     /// Targets of the bones by script or poses, while nobody leads them.
@@ -40,11 +40,11 @@ pub struct Lead {
     /// False until a tracker has moved the hand: the scene's script does.
     pub leads: bool,
     /// The targets of the bones.
-    pub proxies: FastToSlow,
+    pub proxies: ProxyTargets,
 }
 
 /// The simulation's ends of one hand's slots.
-pub struct SlowEnds {
+pub struct SimulationEndpoints {
     /// Frames go out.
     pub frame: Input<Frame>,
     /// Targets come in.
@@ -56,7 +56,7 @@ pub struct SlowEnds {
 }
 
 /// The loop's ends.
-pub struct FastEnds {
+pub struct LoopEndpoints {
     /// Frames come in.
     pub frame: Output<Frame>,
     /// Targets go out.
@@ -69,15 +69,18 @@ pub struct FastEnds {
 
 /// Slots that hold this frame; for a simulation within the loop also its state, and what acts in
 /// it, all of this size.
-pub fn slots(frame: &Frame, within: Option<(&State, &world::Input)>) -> (SlowEnds, FastEnds) {
+pub fn slots(
+    frame: &Frame,
+    within: Option<(&State, &world::Input)>,
+) -> (SimulationEndpoints, LoopEndpoints) {
     let bones: &[RigidState] = &frame.bones.bones;
     let (frame_in, frame_out) = triple_buffer(frame);
-    let lead = Lead { leads: false, proxies: FastToSlow::new(bones) };
+    let lead = Lead { leads: false, proxies: ProxyTargets::new(bones) };
     let (lead_in, lead_out) = triple_buffer(&lead);
     let (state_in, state_out) = within.map(|(state, _)| triple_buffer(state)).unzip();
     let (input_in, input_out) = within.map(|(_, input)| triple_buffer(input)).unzip();
     (
-        SlowEnds { frame: frame_in, lead: lead_out, state: state_out, input: input_in },
-        FastEnds { frame: frame_out, lead: lead_in, state: state_in, input: input_out },
+        SimulationEndpoints { frame: frame_in, lead: lead_out, state: state_out, input: input_in },
+        LoopEndpoints { frame: frame_out, lead: lead_in, state: state_in, input: input_out },
     )
 }

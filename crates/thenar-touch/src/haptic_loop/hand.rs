@@ -5,13 +5,13 @@ mod state;
 
 pub use state::HandState;
 
-use super::exchange::{FastEnds, Frame};
+use super::exchange::{Frame, LoopEndpoints};
 use crate::turn::rotation_vector;
 use crate::{
-    DIGITS, Felt, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, TickReport, Touch,
-    TrackerTiming, seconds_between,
+    DIGITS, FeltStiffness, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, TickReport,
+    Touch, TrackerTiming, seconds_between,
 };
-use held::{HeldSample, Newest};
+use held::{HeldSample, NewestTime};
 use thenar_core::model::{Digit, HandModel, Side};
 use thenar_core::world::Target;
 use thenar_core::{Pose, Vec3};
@@ -30,14 +30,14 @@ pub struct LoopHand {
     side: Side,
     live: LiveHand,
     touch: Box<dyn Touch + Send>,
-    ends: FastEnds,
+    ends: LoopEndpoints,
     /// Targets of the bones, by `live`.
     targets: Vec<Option<Target>>,
     pads: [Option<Pad>; DIGITS],
     readings: [Option<PadReading>; DIGITS],
     /// Stiffness with which the hand is felt, and that of a turn of the palm.
-    felt: Option<Felt>,
-    turn: Option<Felt>,
+    felt: Option<FeltStiffness>,
+    turn: Option<FeltStiffness>,
     report: TickReport,
     last_ns: Option<u64>,
     beginnings: u64,
@@ -47,7 +47,7 @@ pub struct LoopHand {
     tracker: Option<(usize, u64)>,
     /// The last sample that was believed.
     held: Option<HeldSample>,
-    newest: Newest,
+    newest: NewestTime,
     /// Time of the sample that the last tick took, if it took one \[ns\].
     fresh_ns: Option<u64>,
     /// Time of the newest sample that counts as tracking \[ns\].
@@ -64,7 +64,7 @@ impl LoopHand {
         model: &HandModel,
         live: LiveHand,
         touch: Box<dyn Touch + Send>,
-        mut ends: FastEnds,
+        mut ends: LoopEndpoints,
     ) -> Self {
         let mut pads = [None; DIGITS];
         for pad in Pad::of_hand(model) {
@@ -91,7 +91,7 @@ impl LoopHand {
             frame_step,
             tracker: None,
             held: None,
-            newest: Newest::default(),
+            newest: NewestTime::default(),
             fresh_ns: None,
             tracked_ns: 0,
             palm_last: None,
@@ -105,7 +105,7 @@ impl LoopHand {
     }
 
     /// Bounds how stiff it is felt, and how stiff a turn of its palm is.
-    pub fn bound(&mut self, felt: Felt, turn: Option<Felt>) {
+    pub fn bound(&mut self, felt: FeltStiffness, turn: Option<FeltStiffness>) {
         (self.felt, self.turn) = (Some(felt), turn);
     }
 
@@ -142,7 +142,7 @@ impl LoopHand {
         let Some(pose) = &sample.pose else { return false };
         let goes_on = self.tracker.is_some_and(|(moving, _)| moving == tracker);
         if !goes_on {
-            self.newest = Newest::default();
+            self.newest = NewestTime::default();
         }
         // Nor does one that says the same again say where the hand is, whether or not it was
         // believed.
@@ -243,7 +243,7 @@ impl LoopHand {
         self.report = self.touch.tick(now_ns, &frame.bones);
         let lead = self.ends.lead.input_buffer_mut();
         lead.leads = leads;
-        self.touch.publish(now_ns, &mut lead.proxies);
+        self.touch.write_targets(now_ns, &mut lead.proxies);
         self.ends.lead.publish();
         self.hand_over_state();
         let (touch, h) = (&*self.touch, self.report.step);
@@ -252,7 +252,7 @@ impl LoopHand {
             // The turn is that of the first bone.
             felt.step(h, noisy, |bone, observed| touch.added_delay(bone, observed));
         }
-        self.live.feel_on(self.felt.as_ref().map(Felt::spring).unwrap_or_default());
+        self.live.feel_on(self.felt.as_ref().map(FeltStiffness::spring).unwrap_or_default());
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));
             if let (Some(pad), Some(reading), Some(felt)) = (pad, reading.as_mut(), &self.felt) {
@@ -290,7 +290,7 @@ impl LoopHand {
     /// Force \[N\] and torque \[N m\] on the wearer at the palm's centre, world, each with the
     /// palm's mean velocity in the last tick \[m/s, rad/s\].
     pub fn palm(&self) -> [([f64; 3], [f64; 3]); 2] {
-        let part = |felt: &Option<Felt>| felt.as_ref().map_or(1.0, |felt| felt.part(0));
+        let part = |felt: &Option<FeltStiffness>| felt.as_ref().map_or(1.0, |felt| felt.part(0));
         let (push, turn) = (part(&self.felt), part(&self.turn));
         let [force, torque] = self.touch.device_wrenches()[0];
         // A hand is pushed and turned by one thing: torque is cut as force is, and by its own rule.
@@ -307,7 +307,7 @@ impl LoopHand {
 
     /// Returns the delay with which its motion is seen \[s\], as far as known.
     pub fn seen_late(&self) -> f64 {
-        self.felt.as_ref().map_or(0.0, Felt::seen_late)
+        self.felt.as_ref().map_or(0.0, FeltStiffness::seen_late)
     }
 
     /// From the motion of the finger that is felt stiffest to the force that answers it \[s\], as

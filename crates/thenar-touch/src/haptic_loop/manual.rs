@@ -1,10 +1,10 @@
 //! The loop on a clock that somebody else turns.
 
-use super::incident::{Incident, Reel};
+use super::incident::{Incident, IncidentReader};
 use super::settings::bounds_of;
 use super::{
-    Core, LoopError, LoopMode, Monitored, Remote, Settings, Shared, SimulationPort, TickRecord,
-    TickTime, share, tick,
+    Core, LoopError, LoopMode, MonitorEndpoints, Remote, Settings, Shared, SimulationPort,
+    TickRecord, TickTime, share, tick,
 };
 use crate::{CouplingDesign, FeltBounds, ForceDisplay, Tracker};
 use rtrb::Consumer;
@@ -20,7 +20,7 @@ pub struct ManualLoop {
     /// Records of the ticks.
     pub records: Consumer<TickRecord>,
     /// Inputs of the last seconds, where a folder for trips is set.
-    pub reel: Option<Reel>,
+    pub incident_reader: Option<IncidentReader>,
 }
 
 impl ManualLoop {
@@ -34,9 +34,10 @@ impl ManualLoop {
         displays: Vec<Box<dyn ForceDisplay>>,
     ) -> Result<Self, LoopError> {
         let bounds = bounds_of(settings, &displays);
-        let (shared, Monitored { records, reel }) = share(settings, trackers, displays, false)?;
+        let (shared, MonitorEndpoints { records, incident_reader }) =
+            share(settings, trackers, displays, false)?;
         let (mode, design) = (settings.mode, settings.design);
-        Ok(Self { shared, mode, design, bounds, records, reel })
+        Ok(Self { shared, mode, design, bounds, records, incident_reader })
     }
 
     /// One tick at `now_ns`; false when it was left out.
@@ -58,9 +59,10 @@ impl ManualLoop {
     /// is kept.
     pub fn incident(&mut self, reason: &str, records: &[TickRecord]) -> Option<Incident> {
         let displays = self.core(|core| core.displays().to_vec());
-        let (reel, frames) = (self.reel.as_mut()?, self.shared.frames.as_ref()?);
-        reel.wind();
-        reel.incident(reason, &displays, frames, records)
+        let (incident_reader, frames) =
+            (self.incident_reader.as_mut()?, self.shared.frames.as_ref()?);
+        incident_reader.drain();
+        incident_reader.incident(reason, &displays, frames, records)
     }
 
     /// Looks at what the loop ticks.

@@ -38,27 +38,27 @@ mod error;
 mod exchange;
 mod hand;
 pub mod incident;
-mod lookout;
 mod manual;
 mod monitor;
 mod page;
 mod pauses;
 mod port;
+mod presence;
 mod record;
 mod settings;
 mod simulation;
 mod turning;
 mod watchdog;
 
-pub use actuators::{Ability, Actuators, Axis, Heard};
+pub use actuators::{Actuators, Axis, Capability, Liveness};
 pub use control::{DeviceStatus, HandStatus, Remote, STATEMENT, State, Status};
 pub use core::{Core, TickTime};
-pub use deadlines::{Alarm, Deadlines};
+pub use deadlines::{DeadlineTimer, Deadlines};
 pub use error::LoopError;
-pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
+pub use exchange::{FingerContact, Frame, Lead, LoopEndpoints, SimulationEndpoints, slots};
 pub use hand::LoopHand;
 pub use manual::ManualLoop;
-pub use monitor::Watcher;
+pub use monitor::RecordCallback;
 pub use page::{PagePoses, page_tracker};
 pub use port::{LoopMode, PortError, SimulationPort};
 pub use record::{TickRecord, header, line, word};
@@ -66,13 +66,13 @@ pub use settings::Settings;
 pub use simulation::{SimulatedHand, Simulation};
 pub use thenar_core::histogram::Histogram;
 
-use crate::realtime::{Urgency, lock_memory, raise_priority, touch_stack};
+use crate::realtime::{PriorityClass, lock_memory, raise_priority, touch_stack};
 use crate::safety::Trip;
 use crate::{CouplingDesign, FeltBounds, ForceDisplay, Tracker, now_ns};
 use control::Control;
-use incident::{Reel, Tape};
-use lookout::Lookouts;
+use incident::{IncidentReader, IncidentWriter};
 use monitor::Monitor;
+use presence::PresenceChecks;
 use rtrb::Consumer;
 use settings::{bounds_of, fitted, limits_of};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -96,7 +96,7 @@ pub struct Shared {
     core: Mutex<Core>,
     displays: Mutex<Vec<Box<dyn ForceDisplay>>>,
     /// Abilities of each display.
-    abilities: Vec<Ability>,
+    capabilities: Vec<Capability>,
     control: Arc<Control>,
     /// Frames of the last seconds, where incidents are kept.
     frames: Option<incident::Frames>,
@@ -139,10 +139,10 @@ impl HapticLoop {
         displays: Vec<Box<dyn ForceDisplay>>,
     ) -> Result<Self, LoopError> {
         let Settings { rate_hz, mode, .. } = settings;
-        let messengers = (trackers.iter().map(|tracker| tracker.messenger()))
-            .chain(displays.iter().map(|display| display.messenger()))
+        let message_sources = (trackers.iter().map(|tracker| tracker.message_source()))
+            .chain(displays.iter().map(|display| display.message_source()))
             .collect();
-        let lookouts = Lookouts::of(&trackers, &displays);
+        let presence_checks = PresenceChecks::of(&trackers, &displays);
         let (design, too_stiff) = fitted(&settings, &displays);
         let limits = limits_of(&settings, &displays);
         let bounds = bounds_of(&settings, &displays);
@@ -152,7 +152,7 @@ impl HapticLoop {
         let shared = new.shared.clone();
         let period = Duration::from_secs_f64(1.0 / rate_hz);
         new.spawn("haptics", move || {
-            let urgent = raise_priority(Urgency::Loop);
+            let urgent = raise_priority(PriorityClass::Loop);
             // The stack first, so that it is locked with the rest.
             touch_stack();
             let locked = lock_memory();
@@ -170,13 +170,13 @@ impl HapticLoop {
         let monitor = Monitor {
             shared: new.shared.clone(),
             records: monitored.records,
-            reel: monitored.reel,
+            incident_reader: monitored.incident_reader,
             watcher: settings.watcher,
             incidents: std::collections::VecDeque::new(),
             folder: settings.trip_folder,
             warnings: [too_stiff, warnings.recv_timeout(ENDING).unwrap_or_default()].concat(),
-            messengers,
-            lookouts,
+            message_sources,
+            presence_checks,
             displays: limits,
             rate_hz,
         };
@@ -248,9 +248,9 @@ fn without(what: &str, cause: &str) -> String {
 }
 
 /// The monitor's ends of what the loop hands on.
-struct Monitored {
+struct MonitorEndpoints {
     records: Consumer<TickRecord>,
-    reel: Option<Reel>,
+    incident_reader: Option<IncidentReader>,
 }
 
 /// Builds what loop, watchdog and monitor share, and the monitor's ends.
@@ -259,7 +259,7 @@ fn share(
     trackers: Vec<Box<dyn Tracker>>,
     displays: Vec<Box<dyn ForceDisplay>>,
     in_real_time: bool,
-) -> Result<(Arc<Shared>, Monitored), LoopError> {
+) -> Result<(Arc<Shared>, MonitorEndpoints), LoopError> {
     let wrong = |what: &str, cause: String| LoopError { what: what.into(), cause };
     if let Some(grip) = settings.grip.filter(|grip| !(*grip > 0.0 && *grip <= 1000.0)) {
         let cause = format!("{grip} N s/m is not more than 0 and at most 1000");
@@ -272,26 +272,26 @@ fn share(
     }
     let limits = limits_of(settings, &displays);
     let (records, monitored) = rtrb::RingBuffer::new(RECORDS);
-    let abilities = limits.clone();
+    let capabilities = limits.clone();
     let mut core = Core::new(trackers, limits, records)
         .map_err(|cause| wrong("a device's limits", cause.to_string()))?;
     // Single-rate has a whole simulation for a state.
     let kept = settings.trip_folder.is_some() && settings.mode != LoopMode::SingleRate;
-    let reel = kept.then(|| {
-        let (tape, reel) = Tape::new();
-        core.keep_by(tape);
-        reel
+    let incident_reader = kept.then(|| {
+        let (incident_writer, incident_reader) = IncidentWriter::new();
+        core.keep_by(incident_writer);
+        incident_reader
     });
     let shared = Arc::new(Shared {
         core: Mutex::new(core),
         displays: Mutex::new(displays),
-        abilities,
+        capabilities,
         control: Arc::new(Control::default()),
         frames: kept.then(incident::Frames::default),
         in_real_time,
     });
     register(&shared);
-    Ok((shared, Monitored { records: monitored, reel }))
+    Ok((shared, MonitorEndpoints { records: monitored, incident_reader }))
 }
 
 /// The thread of the loop.
@@ -306,11 +306,11 @@ fn run(shared: &Shared, period: Duration) {
 
 fn tick_on(shared: &Shared, period: Duration) {
     let control = &shared.control;
-    let alarm = Alarm::set();
+    let timer = DeadlineTimer::set();
     let mut deadlines = Deadlines::new(period, now_ns());
     let mut time = TickTime::default();
     while !control.quit.load(Ordering::Acquire) {
-        alarm.wait(deadlines.next_ns());
+        timer.wait(deadlines.next_ns());
         time.now_ns = now_ns();
         time.late_ns = time.now_ns.saturating_sub(deadlines.next_ns());
         let ticked = tick(shared, &time);

@@ -1,12 +1,12 @@
 //! Looks after the loop from another thread: counts, tells, and writes down what led to a trip.
 
 use super::control::{HandStatus, State, Status};
-use super::incident::Reel;
-use super::lookout::Lookouts;
+use super::incident::IncidentReader;
 use super::pauses::Pauses;
+use super::presence::PresenceChecks;
 use super::record::{self, TickRecord};
-use super::{Ability, Shared};
-use crate::{Messenger, now_ns, safety};
+use super::{Capability, Shared};
+use crate::{MessageSource, now_ns, safety};
 use rtrb::Consumer;
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -27,29 +27,29 @@ const KEPT_NS: u64 = 5_000_000_000;
 /// Incidents of one session that stay: each takes some tens of MB.
 const INCIDENTS: usize = 4;
 /// Records kept at most, whatever the number of displays.
-const KEPT: usize = 60_000;
+const RECORDS_MAX: usize = 60_000;
 
 /// Is shown every record, in order; must not take long.
-pub type Watcher = Box<dyn FnMut(&TickRecord) + Send>;
+pub type RecordCallback = Box<dyn FnMut(&TickRecord) + Send>;
 
 /// The thread.
 pub struct Monitor {
     pub shared: std::sync::Arc<Shared>,
     pub records: Consumer<TickRecord>,
     /// Inputs of the last seconds, where incidents are kept.
-    pub reel: Option<Reel>,
-    pub watcher: Option<Watcher>,
+    pub incident_reader: Option<IncidentReader>,
+    pub watcher: Option<RecordCallback>,
     /// Incidents written so far that are still there.
     pub incidents: VecDeque<PathBuf>,
     /// Folder for records of trips; `None` to keep no files.
     pub folder: Option<PathBuf>,
     pub warnings: Vec<String>,
     /// Devices are asked through these, so that the loop has them to itself.
-    pub messengers: Vec<Messenger>,
+    pub message_sources: Vec<MessageSource>,
     /// Through these the monitor sees which devices are there.
-    pub lookouts: Lookouts,
+    pub presence_checks: PresenceChecks,
     /// Rendering of each display, and its limits.
-    pub displays: Vec<Ability>,
+    pub displays: Vec<Capability>,
     pub rate_hz: f64,
 }
 
@@ -61,14 +61,14 @@ impl Monitor {
             warnings: std::mem::take(&mut self.warnings),
             ..Status::default()
         };
-        let mut kept = VecDeque::with_capacity(KEPT);
+        let mut kept = VecDeque::with_capacity(RECORDS_MAX);
         let mut tripped = false;
         let mut last_ns = None;
         let mut pauses = Pauses::default();
         for look in 0_u32.. {
             let quit = self.shared.control.quit.load(Ordering::Acquire);
-            if let Some(reel) = &mut self.reel {
-                reel.wind();
+            if let Some(incident_reader) = &mut self.incident_reader {
+                incident_reader.drain();
             }
             self.take_records(&mut status, &mut kept, &mut last_ns, &mut pauses);
             status.messages.extend(pauses.tell());
@@ -78,7 +78,7 @@ impl Monitor {
                 self.gather_messages(&mut status);
             }
             if look.is_multiple_of(DEVICES_EVERY) {
-                status.devices = self.lookouts.look(now_ns());
+                status.devices = self.presence_checks.look(now_ns());
             }
             let now_tripped = matches!(status.state, State::Tripped(_) | State::Failed);
             if now_tripped && !tripped {
@@ -120,7 +120,7 @@ impl Monitor {
                 status.latency.add(age + u64::from(record.cost_ns));
             }
             let old = |r: &TickRecord| record.time_ns.saturating_sub(r.time_ns) > KEPT_NS;
-            while kept.len() >= KEPT || kept.front().is_some_and(old) {
+            while kept.len() >= RECORDS_MAX || kept.front().is_some_and(old) {
                 kept.pop_front();
             }
             kept.push_back(record);
@@ -170,7 +170,7 @@ impl Monitor {
     }
 
     fn gather_messages(&mut self, status: &mut Status) {
-        status.messages.extend(self.messengers.iter_mut().flat_map(|ask| ask()));
+        status.messages.extend(self.message_sources.iter_mut().flat_map(|ask| ask()));
         forget_old(status);
     }
 
@@ -194,11 +194,13 @@ impl Monitor {
 impl Monitor {
     /// Writes all that entered beside the table of signals; what there is to say of that.
     fn write_incident(&mut self, path: &Path, reason: &str, kept: &VecDeque<TickRecord>) -> String {
-        let (Some(reel), Some(frames)) = (&self.reel, &self.shared.frames) else {
+        let (Some(incident_reader), Some(frames)) = (&self.incident_reader, &self.shared.frames)
+        else {
             return String::new();
         };
         let records: Vec<_> = kept.iter().copied().collect();
-        let Some(incident) = reel.incident(reason, &self.displays, frames, &records) else {
+        let Some(incident) = incident_reader.incident(reason, &self.displays, frames, &records)
+        else {
             return "; what entered was not kept long enough to be made again".into();
         };
         match incident.write(path) {

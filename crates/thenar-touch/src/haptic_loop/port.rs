@@ -1,16 +1,16 @@
 //! The simulation's side: proxies in before a step, a frame out after it.
 
 use super::actuators::Actuators;
-use super::exchange::{FingerContact, Frame, SlowEnds, slots};
+use super::exchange::{FingerContact, Frame, SimulationEndpoints, slots};
 use super::hand::LoopHand;
 use super::simulation::{SimulatedHand, Simulation};
 use super::turning::felt_turn;
 use super::{Core, Shared};
 use crate::safety::LimitError;
 use crate::{
-    CouplingDesign, DIGITS, EmptyAirHand, Felt, FeltBounds, HandOutput, HandSettings, HapticHand,
-    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Tie, Touch, TouchMode,
-    series_drive, series_stiffness,
+    BoneFrame, BoneJoint, CouplingDesign, DIGITS, EmptyAirHand, FeltBounds, FeltStiffness,
+    HandOutput, HandSettings, HapticHand, ProxyError, ProxyMode, RigidState, SingleRate,
+    SingleRateSettings, Touch, series_drive, series_stiffness,
 };
 use std::ops::Range;
 use std::sync::{Arc, PoisonError};
@@ -62,7 +62,7 @@ struct PortHand {
     /// First of its bones among the rigid bodies.
     first: usize,
     drives: Vec<Option<Drive>>,
-    ends: SlowEnds,
+    ends: SimulationEndpoints,
     /// A flag for frames that have a response, and how often the world was retuned when that was
     /// last looked at.
     responds: bool,
@@ -182,7 +182,7 @@ impl SimulationPort {
             fast.push(hand);
         }
         // The loop's memory is not held for this: it allocates.
-        let actuators = Core::guards(&self.shared.abilities, fast.len())?;
+        let actuators = Core::guards(&self.shared.capabilities, fast.len())?;
         Ok((slow, fast, actuators))
     }
 
@@ -203,7 +203,7 @@ impl SimulationPort {
             .then(|| EmptyAirHand::of(world, bones.clone(), true))
             .transpose()?;
         let frame = Frame {
-            bones: SlowToFast::new(&start, self.contacts_max()),
+            bones: BoneFrame::new(&start, self.contacts_max()),
             made_ns: 0,
             targets: simulation.input().targets[range.clone()].to_vec(),
             contacts: [FingerContact::default(); DIGITS],
@@ -236,7 +236,7 @@ impl SimulationPort {
             Box::new(inner)
         } else {
             let settings = HandSettings {
-                mode: if responds { TouchMode::SharedConstraints } else { TouchMode::Multirate },
+                mode: if responds { ProxyMode::SharedConstraints } else { ProxyMode::Multirate },
                 ..HandSettings::default()
             };
             let (proxies, parts): (_, Vec<_>) =
@@ -245,7 +245,7 @@ impl SimulationPort {
             for (bone, parts) in parts.into_iter().enumerate() {
                 hand.show(bone, parts);
             }
-            hand.tie(ties(world, &range));
+            hand.set_joints(bone_joints(world, &range));
             Box::new(hand)
         };
         let (slow, fast) = slots(&frame, single.then(|| (world.state(), simulation.input())));
@@ -262,7 +262,7 @@ impl SimulationPort {
             let (proxy, [_, part]) = proxy.driven_by(&drive);
             felt_turn(self.bounds, &proxy, part)
         });
-        hand.bound(Felt::new(self.bounds, felt.collect()), turn);
+        hand.bound(FeltStiffness::new(self.bounds, felt.collect()), turn);
         let (first, retuned) = (range.start, world.retuned());
         Ok((PortHand { index, first, drives, ends: slow, responds, retuned, free }, hand))
     }
@@ -364,7 +364,7 @@ impl SimulationPort {
                 } else {
                     free.resume(world.state());
                 }
-                free.publish(&mut frame.bones.free);
+                free.write_bones(&mut frame.bones.free);
             }
             frame.targets.copy_from_slice(&simulation.input().targets[hand.first..][..n]);
             frame.beginnings = self.beginnings;
@@ -394,15 +394,15 @@ const FOLLOW_HZ: f64 = 80.0;
 const CONTACTS_MAX: usize = 64;
 
 /// The joints between these bones that keep their places together.
-fn ties(world: &World, bones: &Range<usize>) -> Vec<Tie> {
+fn bone_joints(world: &World, bones: &Range<usize>) -> Vec<BoneJoint> {
     let within = |body: u32| bones.contains(&(body as usize)).then(|| body as usize - bones.start);
     let joints = world.desc().joints.iter().filter(|joint| joint.kind.rows() > 0);
-    let ties = joints.filter_map(|joint| {
+    let bone_joints = joints.filter_map(|joint| {
         let [parent, child] = [within(joint.parent?)?, within(joint.child)?];
         let [at_parent, at_child] = [joint.pose_PJ, joint.pose_CK].map(|pose| pose.position);
-        Some(Tie { parent, child, at_parent, at_child })
+        Some(BoneJoint { parent, child, at_parent, at_child })
     });
-    ties.collect()
+    bone_joints.collect()
 }
 
 /// Returns the contact of each finger of the hand whose flesh is `soft`.

@@ -1,6 +1,6 @@
 //! Settings of a loop, and the bounds that its displays set.
 
-use super::{Ability, LoopMode, Watcher};
+use super::{Capability, LoopMode, RecordCallback};
 use crate::safety::Limits;
 use crate::{CouplingDesign, FeltBounds, ForceDisplay, GRIP, LoopProfile, MARGIN, Rendering};
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ pub struct Settings {
     /// Folder for records of trips; `None` to keep no files.
     pub trip_folder: Option<PathBuf>,
     /// Sees every record.
-    pub watcher: Option<Watcher>,
+    pub watcher: Option<RecordCallback>,
 }
 
 impl Default for Settings {
@@ -106,14 +106,17 @@ pub(super) fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>])
 }
 
 /// Returns the abilities of each display, and their limits.
-pub(super) fn limits_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Vec<Ability> {
+pub(super) fn limits_of(
+    settings: &Settings,
+    displays: &[Box<dyn ForceDisplay>],
+) -> Vec<Capability> {
     // Written so that what is not a number is refused where it is checked.
     let allowed = |own: Limits| match settings.user_fraction {
         Some(fraction) if fraction > own.user_fraction => own,
         Some(user_fraction) => Limits { user_fraction, ..own },
         None => own,
     };
-    let able = |display: &dyn ForceDisplay| Ability {
+    let able = |display: &dyn ForceDisplay| Capability {
         rendering: display.rendering(),
         limits: allowed(display.limits()),
         torque_limits: display.torque_limits().map(allowed),

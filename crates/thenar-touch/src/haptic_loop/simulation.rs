@@ -1,7 +1,7 @@
 //! The simulation as the loop sees it: what a [`SimulationPort`](super::SimulationPort) asks of
 //! whoever steps.
 
-use crate::SlowToFast;
+use crate::BoneFrame;
 use std::ops::Range;
 use thenar_core::World;
 use thenar_core::model::HandModel;
@@ -56,5 +56,5 @@ pub trait Simulation {
     fn let_go(&mut self, index: usize);
 
     /// Fills how bones answer after a step. False where nobody knows.
-    fn condense(&mut self, bones: Range<u32>, to: &mut SlowToFast) -> bool;
+    fn condense(&mut self, bones: Range<u32>, to: &mut BoneFrame) -> bool;
 }

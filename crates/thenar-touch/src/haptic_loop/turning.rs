@@ -1,4 +1,4 @@
-//! Stiffness with which a turn of the palm is felt: the rule of [`Felt`] in angle.
+//! Stiffness with which a turn of the palm is felt: the rule of [`FeltStiffness`] in angle.
 //!
 //! A handle is held by fingers at some distance from the axis that it turns about. Each damps with
 //! b at its lever r, so that a grip of b damps turns with `b r²`, and torque on a spring of κ
@@ -6,16 +6,16 @@
 //! spring of `κ/r²` at the lever. Damping grows with the force of a grip (Hasser and Cutkosky 2002,
 //! of a knob in a pinch); the least of it is a pinch of the loosest fingers.
 
-use crate::{Felt, FeltBounds, Proxy, series_stiffness};
+use crate::{FeltBounds, FeltStiffness, Proxy, series_stiffness};
 
 /// From the axis of a turn to the fingers that hold on \[m\]: half a phalanx, as couplings and
 /// limits of torques have it. A wider grip, and the wrist behind it, damp more.
 pub(super) const GRIP_LEVER: f64 = 0.02;
 
 /// The rule for turns of a bone that is held by this proxy, of whose torque this part is shown.
-pub(super) fn felt_turn(bounds: FeltBounds, proxy: &Proxy, part: f64) -> Felt {
+pub(super) fn felt_turn(bounds: FeltBounds, proxy: &Proxy, part: f64) -> FeltStiffness {
     let turning = series_stiffness(proxy.device.angular_stiffness, proxy.bone.angular_stiffness);
-    Felt::new(bounds, vec![part * turning / (GRIP_LEVER * GRIP_LEVER)])
+    FeltStiffness::new(bounds, vec![part * turning / (GRIP_LEVER * GRIP_LEVER)])
 }
 
 #[cfg(test)]

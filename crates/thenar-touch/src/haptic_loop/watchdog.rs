@@ -1,7 +1,7 @@
 //! Sends zeros when the loop does not.
 
 use super::Shared;
-use crate::realtime::{Urgency, raise_priority, touch_stack};
+use crate::realtime::{PriorityClass, raise_priority, touch_stack};
 use crate::{HandOutput, now_ns};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, TryLockError};
@@ -21,7 +21,7 @@ const EVERY: Duration = Duration::from_millis(4);
 pub fn run(shared: &Arc<Shared>) {
     // What the system refuses the loop has reported.
     touch_stack();
-    let _ = raise_priority(Urgency::Watchdog);
+    let _ = raise_priority(PriorityClass::Watchdog);
     let control = &shared.control;
     let mut barking = false;
     while !control.quit.load(Ordering::Acquire) {

@@ -39,7 +39,7 @@ const SURE: f64 = 4.0 / 3.0;
 
 /// Progress of forces since they were armed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-enum Got {
+enum ArmPhase {
     /// Little force has to be wanted first.
     Armed,
     /// Little force was wanted, and the ramp began.
@@ -56,7 +56,7 @@ pub struct Guard<const N: usize> {
     last_ns: Option<u64>,
     stuck_ticks: u32,
     /// Simulation, tracking, device.
-    heard: [Heard; 3],
+    heard: [NewestInput; 3],
     /// Output of stage 7 in the last tick \[N\].
     #[serde(with = "crate::safety::arrays")]
     exact: [f64; N],
@@ -69,7 +69,7 @@ pub struct Guard<const N: usize> {
     trust: f64,
     /// The hand is on its way to where its wearer's is.
     away: bool,
-    got: Got,
+    got: ArmPhase,
     /// Time since something last paused the forces \[s\].
     calm: f64,
     #[serde(skip, default = "SignalLog::without_room")]
@@ -85,14 +85,14 @@ impl<const N: usize> Guard<N> {
             status: Status::Off,
             last_ns: None,
             stuck_ticks: 0,
-            heard: [Heard::default(); 3],
+            heard: [NewestInput::default(); 3],
             exact: [0.0; N],
             sent: [0.0; N],
             passivity: Passivity::default(),
             wearer: WearerSide::new(),
             trust: 1.0,
             away: false,
-            got: Got::Armed,
+            got: ArmPhase::Armed,
             calm: 0.0,
             log: SignalLog::new(log_ticks),
         })
@@ -104,13 +104,13 @@ impl<const N: usize> Guard<N> {
     pub fn arm(&mut self) {
         let armed = !matches!(self.status, Status::Off | Status::Tripped(_));
         self.status = Status::Waiting { small_ticks: 0, pause: None };
-        self.got = Got::Armed;
+        self.got = ArmPhase::Armed;
         if armed {
             return;
         }
         self.last_ns = None;
         self.stuck_ticks = 0;
-        self.heard = [Heard::default(); 3];
+        self.heard = [NewestInput::default(); 3];
         (self.exact, self.sent) = ([0.0; N], [0.0; N]);
         self.passivity = Passivity::default();
         self.wearer.forget();
@@ -285,7 +285,7 @@ impl<const N: usize> Guard<N> {
     fn engage(&mut self, dt: f64, pause: Option<Pause>, wanted: f64) -> f64 {
         if pause.is_some() {
             if pause == Some(Pause::DeadMan) {
-                self.got = Got::Armed;
+                self.got = ArmPhase::Armed;
             }
             self.calm = 0.0;
             self.status = Status::Waiting { small_ticks: 0, pause };
@@ -294,29 +294,29 @@ impl<const N: usize> Guard<N> {
         self.calm += dt;
         match self.status {
             Status::Waiting { small_ticks, .. } => {
-                let small = self.got == Got::Armed && wanted < self.limits.engage_force;
+                let small = self.got == ArmPhase::Armed && wanted < self.limits.engage_force;
                 let small_ticks = if small { small_ticks + 1 } else { 0 };
                 let begins = match self.got {
-                    Got::Armed => small_ticks >= self.limits.engage_ticks,
-                    Got::Ramping | Got::Live => self.calm >= self.calm_enough(),
+                    ArmPhase::Armed => small_ticks >= self.limits.engage_ticks,
+                    ArmPhase::Ramping | ArmPhase::Live => self.calm >= self.calm_enough(),
                 };
                 self.status = if begins {
                     Status::Ramping { gain: 0.0 }
                 } else {
                     Status::Waiting { small_ticks, pause: None }
                 };
-                if begins && self.got == Got::Armed {
-                    self.got = Got::Ramping;
+                if begins && self.got == ArmPhase::Armed {
+                    self.got = ArmPhase::Ramping;
                 }
                 0.0
             }
             Status::Ramping { gain } => {
                 let Limits { ramp, regain, .. } = self.limits;
-                let ramp = if self.got == Got::Live { ramp.min(regain) } else { ramp };
+                let ramp = if self.got == ArmPhase::Live { ramp.min(regain) } else { ramp };
                 let gain = if ramp > 0.0 { gain + dt / ramp } else { 1.0 };
                 self.status = if gain < 1.0 { Status::Ramping { gain } } else { Status::Live };
                 if gain >= 1.0 {
-                    self.got = Got::Live;
+                    self.got = ArmPhase::Live;
                 }
                 gain.min(1.0)
             }
@@ -365,11 +365,11 @@ impl<const N: usize> Guard<N> {
 
 /// Time of the last news \[ns\].
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
-struct Heard {
+struct NewestInput {
     newest: Option<u64>,
 }
 
-impl Heard {
+impl NewestInput {
     /// Age \[s\] of what carries this stamp. A stamp from the future or older than its
     /// predecessor is no news: a wrong clock looks stale, never fresh.
     fn age(&mut self, stamp: u64, now_ns: u64) -> f64 {

@@ -9,16 +9,16 @@
 
 /// Intervals that are remembered: a quarter of a second of ticks at 1 kHz, and at any rate twice
 /// the delay.
-const KEPT: usize = 256;
+const INTERVALS: usize = 256;
 /// Parts of the delay: ticks that are shorter share an interval, which is known to 1 % of the delay
 /// then.
-const PARTS: f64 = KEPT as f64 / 2.0;
+const PARTS: f64 = INTERVALS as f64 / 2.0;
 
 /// Forces of the last intervals, the newest last.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct WearerSide<const N: usize> {
     delay: f64,
-    /// The last of them, [`KEPT`].
+    /// The last of them, [`INTERVALS`].
     #[serde(deserialize_with = "whole")]
     ring: Vec<Interval<N>>,
     next: usize,
@@ -55,12 +55,12 @@ fn whole<'de, D: serde::Deserializer<'de>, const N: usize>(
 ) -> Result<Vec<Interval<N>>, D::Error> {
     let ring: Vec<Interval<N>> = serde::Deserialize::deserialize(deserializer)?;
     let wrong = || serde::de::Error::invalid_length(ring.len(), &"256 intervals");
-    if ring.len() == KEPT { Ok(ring) } else { Err(wrong()) }
+    if ring.len() == INTERVALS { Ok(ring) } else { Err(wrong()) }
 }
 
 impl<const N: usize> WearerSide<N> {
     pub fn new() -> Self {
-        Self { delay: 0.0, ring: vec![Interval::NONE; KEPT], next: 0 }
+        Self { delay: 0.0, ring: vec![Interval::NONE; INTERVALS], next: 0 }
     }
 
     /// The wearer's motion is seen so late \[s\]; what is no number is as late as can be.
@@ -82,13 +82,13 @@ impl<const N: usize> WearerSide<N> {
     /// the force that was held when that motion was made.
     pub fn take(&mut self, force: [f64; N], dt: f64, speed: f64) -> [f64; N] {
         let tick = Interval { force, dt, speed };
-        let newest = &mut self.ring[(self.next + KEPT - 1) % KEPT];
+        let newest = &mut self.ring[(self.next + INTERVALS - 1) % INTERVALS];
         // A delay without end is as long as what is remembered tick by tick.
         if self.delay.is_finite() && newest.dt + dt <= self.delay / PARTS {
             *newest = newest.and(&tick);
         } else {
             self.ring[self.next] = tick;
-            self.next = (self.next + 1) % KEPT;
+            self.next = (self.next + 1) % INTERVALS;
         }
         let mut passed = 0.0;
         for Interval { force, dt, .. } in self.newest_first() {
@@ -116,7 +116,7 @@ impl<const N: usize> WearerSide<N> {
     }
 
     fn newest_first(&self) -> impl Iterator<Item = &Interval<N>> {
-        (1..=KEPT).map(|back| &self.ring[(self.next + KEPT - back) % KEPT])
+        (1..=INTERVALS).map(|back| &self.ring[(self.next + INTERVALS - back) % INTERVALS])
     }
 }
 
@@ -133,11 +133,12 @@ mod tests {
         let mut side = WearerSide::<1>::new();
         side.see_late(f64::NAN);
         assert!(side.is_late());
-        let held: Vec<f64> = (1..=2 * KEPT).map(|k| side.take([k as f64], 1e-3, 0.5)[0]).collect();
+        let held: Vec<f64> =
+            (1..=2 * INTERVALS).map(|k| side.take([k as f64], 1e-3, 0.5)[0]).collect();
         let oldest = held.last().unwrap();
-        assert!((*oldest - KEPT as f64).abs() <= 1.0, "{oldest}");
+        assert!((*oldest - INTERVALS as f64).abs() <= 1.0, "{oldest}");
         // The impulse of the last quarter of a second at half a metre a second.
-        let impulse: f64 = (KEPT + 1..=2 * KEPT).map(|k| 1e-3 * k as f64).sum();
+        let impulse: f64 = (INTERVALS + 1..=2 * INTERVALS).map(|k| 1e-3 * k as f64).sum();
         assert!((side.hidden() / (0.5 * impulse) - 1.0).abs() < 1e-9, "{} J", side.hidden());
         side.forget();
         assert_eq!((side.take([0.0], 1e-3, 0.5), side.hidden()), ([0.0], 0.0));

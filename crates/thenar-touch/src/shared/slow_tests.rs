@@ -2,7 +2,7 @@
 //! bones are not yet where they come to rest.
 
 use crate::{
-    CouplingDesign, HandSettings, HapticHand, Proxy, RigidState, SlowToFast, Touch, TouchMode,
+    BoneFrame, CouplingDesign, HandSettings, HapticHand, Proxy, ProxyMode, RigidState, Touch,
 };
 use thenar_core::math::{Mat3, Pose};
 use thenar_core::model::Drive;
@@ -19,9 +19,9 @@ fn farthest(proxy: Proxy) -> f64 {
     let drive = proxy.bone;
     let hand = Pose::identity();
     let mut bone = RigidState::at_rest(Pose::translation(1e-3, 0.0, 0.0));
-    let settings = HandSettings { mode: TouchMode::SharedConstraints, ..HandSettings::default() };
+    let settings = HandSettings { mode: ProxyMode::SharedConstraints, ..HandSettings::default() };
     let mut touch = HapticHand::new(settings, vec![proxy], &[bone], 0).unwrap();
-    let mut frame = SlowToFast::new(&[bone], 0);
+    let mut frame = BoneFrame::new(&[bone], 0);
     let mut next = frame.clone();
     let mut farthest = 0.0_f64;
     for ms in 1..=2000 {

@@ -14,7 +14,7 @@ const ROUND_OFF: f64 = 1e-9;
 
 /// Parts of a contact's value that are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-enum Known {
+enum KnownParts {
     /// The normal part, but for what loads do to it.
     Bound,
     /// The normal part.
@@ -36,7 +36,7 @@ pub(super) struct Acting<'a> {
 pub(super) struct Values {
     /// Contact values, as far as they are known \[m\].
     d: Vec<Vec3>,
-    known: Vec<Known>,
+    known: Vec<KnownParts>,
     /// By so much the normal part may be less \[m\].
     slack: Vec<f64>,
     /// Places at which contacts stick: tangential values are measured from here \[m\].
@@ -106,7 +106,7 @@ impl Values {
             let bears = acting.forces[i] != Vec3::zeros();
             let stays_open = contact.value.x > slack;
             self.d.push(Vec3::new(contact.value.x, 0.0, 0.0));
-            self.known.push(Known::Bound);
+            self.known.push(KnownParts::Bound);
             self.slack.push(slack);
             if bears && acts(i) {
                 self.work_out(frame, acting.load, i);
@@ -131,7 +131,7 @@ impl Values {
     /// The value of contact `i`, which bears this force \[m\]; `None` while it is open and bears
     /// none.
     pub fn of(&mut self, frame: &Condensed, load: &[f64], i: usize, force: &Vec3) -> Option<Vec3> {
-        if self.known[i] != Known::All && *force == Vec3::zeros() {
+        if self.known[i] != KnownParts::All && *force == Vec3::zeros() {
             if self.d[i].x > self.slack[i] {
                 return None;
             }
@@ -147,7 +147,7 @@ impl Values {
     /// Ends a tick: what slid or was open sticks, if it does, from where it is now.
     pub fn settle(&mut self, acting: &Acting<'_>) {
         for i in 0..self.d.len() {
-            self.open[i] = self.known[i] != Known::All;
+            self.open[i] = self.known[i] != KnownParts::All;
             if !self.open[i] {
                 self.anchors[i] += Vec3::new(0.0, self.d[i].y, self.d[i].z);
             }
@@ -157,18 +157,18 @@ impl Values {
     }
 
     fn work_out_normal(&mut self, frame: &Condensed, load: &[f64], i: usize) {
-        if self.known[i] == Known::Bound {
+        if self.known[i] == KnownParts::Bound {
             self.d[i].x += frame.lift_row_times(3 * i, load);
-            (self.known[i], self.slack[i]) = (Known::Normal, 0.0);
+            (self.known[i], self.slack[i]) = (KnownParts::Normal, 0.0);
         }
     }
 
     fn work_out(&mut self, frame: &Condensed, load: &[f64], i: usize) {
         self.work_out_normal(frame, load, i);
-        if self.known[i] == Known::All {
+        if self.known[i] == KnownParts::All {
             return;
         }
-        self.known[i] = Known::All;
+        self.known[i] = KnownParts::All;
         let contact = &frame.contacts[i];
         if contact.friction > 0.0 {
             for r in [1, 2] {
@@ -196,7 +196,7 @@ impl Values {
 
     #[cfg(test)]
     pub fn worked_out(&self) -> usize {
-        self.known.iter().filter(|known| **known == Known::All).count()
+        self.known.iter().filter(|known| **known == KnownParts::All).count()
     }
 }
 

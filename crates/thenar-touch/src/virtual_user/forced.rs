@@ -5,7 +5,7 @@ use crate::{Proxies, Proxy, ProxyError};
 
 /// Energies over a whole number of cycles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exchange {
+pub struct CycleEnergy {
     /// Given to the hand on balance \[J\]; negative when the wall swallowed some.
     pub given: f64,
     /// The most that the hand had put in at any time \[J\].
@@ -23,12 +23,12 @@ pub fn forced_wall(
     frequency: f64,
     cycles: u32,
     period: f64,
-) -> Result<Exchange, ProxyError> {
+) -> Result<CycleEnergy, ProxyError> {
     let omega = std::f64::consts::TAU * frequency;
     let place = |k: u64| amplitude * (omega * period * k as f64).sin();
     let mut proxies = Proxies::new(vec![proxy], &[on_axis(0.0, amplitude * omega)])?;
     let ticks = (f64::from(cycles) / (frequency * period)).round() as u64;
-    let mut total = Exchange { given: 0.0, stored_max: 0.0, force_max: 0.0 };
+    let mut total = CycleEnergy { given: 0.0, stored_max: 0.0, force_max: 0.0 };
     let mut before = place(0);
     for k in 0..ticks {
         let x = place(k);

@@ -18,7 +18,7 @@ mod tremble;
 mod wall;
 
 pub use eigenvalues::predicted_onset;
-pub use forced::{Exchange, forced_wall};
+pub use forced::{CycleEnergy, forced_wall};
 pub use tremble::passive_onset;
 pub use wall::{Wall, stability_onset};
 

@@ -10,7 +10,7 @@ use thenar_core::shape::Shape;
 use thenar_core::world::Input;
 use thenar_core::{Pose, Quat, Vec3, World};
 use thenar_touch::shared::SharedConstraints;
-use thenar_touch::{RigidState, SlowToFast};
+use thenar_touch::{BoneFrame, RigidState};
 
 const DRIVE: Drive =
     Drive { stiffness: 400.0, damping: 1.0, angular_stiffness: 0.16, angular_damping: 4e-4 };
@@ -60,9 +60,9 @@ impl Bench {
         assert!(fastest < 2e-5, "{fastest} m/s");
     }
 
-    fn frame(&mut self) -> SlowToFast {
+    fn frame(&mut self) -> BoneFrame {
         let start = [RigidState::at_rest(Pose::identity()); 2];
-        let mut frame = SlowToFast::new(&start, CONTACTS);
+        let mut frame = BoneFrame::new(&start, CONTACTS);
         assert!(self.world.condense(0..2, &self.input, &mut frame));
         frame
     }
@@ -82,7 +82,7 @@ impl Bench {
 }
 
 /// The frame's bones, resolved for other proxies; and the total contact force.
-fn resolved(frame: &SlowToFast, proxies: &[RigidState]) -> ([Pose; 2], Vec3, u32) {
+fn resolved(frame: &BoneFrame, proxies: &[RigidState]) -> ([Pose; 2], Vec3, u32) {
     let mut shared = SharedConstraints::new(2, CONTACTS);
     shared.begin(&frame.response);
     let report = shared.resolve(&frame.response, proxies, 1e-3, 1e-9, 20_000);
@@ -221,7 +221,7 @@ fn a_joint_at_its_limit_holds_in_between_too() {
 
 /// What the step does is the same bits with and without frames in between.
 #[test]
-fn publishing_changes_nothing() {
+fn writing_targets_changes_nothing() {
     let hash = |publishes: bool| {
         let mut bench = Bench::new(0.0);
         bench.shift(1, Vec3::new(1e-3, -0.004, 0.0), Vec3::z() * 0.3);

@@ -9,7 +9,7 @@ use thenar_core::shape::Shape;
 use thenar_core::world::Input;
 use thenar_core::{Pose, Vec3, World};
 use thenar_touch::shared::SharedConstraints;
-use thenar_touch::{RigidState, SlowToFast};
+use thenar_touch::{BoneFrame, RigidState};
 
 /// Time step \[s\].
 const STEP: f64 = 1.0 / 60.0;
@@ -72,16 +72,16 @@ impl Bench {
         each.sum()
     }
 
-    fn frame(&mut self, bone: u32) -> SlowToFast {
+    fn frame(&mut self, bone: u32) -> BoneFrame {
         let start = [RigidState::at_rest(Pose::identity())];
-        let mut frame = SlowToFast::new(&start, CONTACTS);
+        let mut frame = BoneFrame::new(&start, CONTACTS);
         assert!(self.world.condense(bone..bone + 1, &self.input, &mut frame));
         frame
     }
 }
 
 /// What a frame says of its bone, and of the force on it, when its proxy has moved by `by`.
-fn said(frame: &SlowToFast, by: Vec3) -> (Vec3, Vec3) {
+fn said(frame: &BoneFrame, by: Vec3) -> (Vec3, Vec3) {
     let mut shared = SharedConstraints::new(1, CONTACTS);
     shared.begin(&frame.response);
     let mut proxy = frame.response.targets[0];

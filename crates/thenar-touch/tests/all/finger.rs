@@ -9,8 +9,8 @@ use thenar_core::shape::Shape;
 use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_touch::safety::{Guard, Limits, Signal, Status};
 use thenar_touch::{
-    CouplingDesign, FastToSlow, HandSettings, HapticHand, Pad, Proxy, RigidState, SlowToFast,
-    Touch, TouchMode,
+    BoneFrame, CouplingDesign, HandSettings, HapticHand, Pad, Proxy, ProxyMode, ProxyTargets,
+    RigidState, Touch,
 };
 
 const MS: u64 = 1_000_000;
@@ -37,7 +37,7 @@ fn a_soft_finger_feels_the_floor_and_lets_go_of_it() {
     input.gravity = Vec3::zeros();
     let start = [0, 1].map(|i| RigidState::at_rest(world.rigid_pose(i)));
     let mut hand = HapticHand::new(HandSettings::default(), proxies, &start, 0).unwrap();
-    let (mut frame, mut back) = (SlowToFast::new(&start, 0), FastToSlow::new(&start));
+    let (mut frame, mut back) = (BoneFrame::new(&start, 0), ProxyTargets::new(&start));
     let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.015);
 
     let (mut pressed, mut jump, mut before) = (0.0_f64, 0.0_f64, 0.0);
@@ -65,7 +65,7 @@ fn a_soft_finger_feels_the_floor_and_lets_go_of_it() {
             hand.lead(i, RigidState { pose_WB, velocity_W, ..*state });
         }
         let report = hand.tick(now, &frame);
-        hand.publish(now, &mut back);
+        hand.write_targets(now, &mut back);
         last = pad.read(&hand, report.step).pad_force;
         pressed = pressed.max(last);
         jump = jump.max((last - before).abs());
@@ -103,10 +103,10 @@ fn hostile_states_and_frames_leave_finite_forces() {
     for seed in 1..=20u64 {
         let mut random = Random::new(seed);
         let start = [RigidState::at_rest(Pose::identity()); 2];
-        let mode = if seed % 2 == 0 { TouchMode::Multirate } else { TouchMode::SharedConstraints };
+        let mode = if seed % 2 == 0 { ProxyMode::Multirate } else { ProxyMode::SharedConstraints };
         let settings = HandSettings { mode, ..HandSettings::default() };
         let mut hand = HapticHand::new(settings, proxies(), &start, 2).unwrap();
-        let mut frame = SlowToFast::new(&start, 2);
+        let mut frame = BoneFrame::new(&start, 2);
         let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.01);
         let limits = Limits { ramp: 0.05, engage_force: 5.0, ..Limits::cybergrasp() };
         let mut guard = Guard::<1>::new(limits, 100).unwrap();

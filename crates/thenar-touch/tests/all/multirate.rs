@@ -9,8 +9,8 @@ use thenar_core::{Mat3, Pose, Vec3, World};
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::virtual_user::{Device, VirtualUser};
 use thenar_touch::{
-    CouplingDesign, FastToSlow, HandSettings, HapticHand, Proxy, RigidState, SlowToFast, Touch,
-    TouchMode,
+    BoneFrame, CouplingDesign, HandSettings, HapticHand, Proxy, ProxyMode, ProxyTargets,
+    RigidState, Touch,
 };
 
 const MS: u64 = 1_000_000;
@@ -29,19 +29,19 @@ struct Press {
     bone: u32,
     proxy: Proxy,
     hand: HapticHand,
-    frame: SlowToFast,
-    back: FastToSlow,
+    frame: BoneFrame,
+    back: ProxyTargets,
     user: VirtualUser,
     now_ns: u64,
 }
 
 impl Press {
-    fn new(mode: TouchMode, rate_hz: f64, height: f64) -> Self {
+    fn new(mode: ProxyMode, rate_hz: f64, height: f64) -> Self {
         let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(2e-7));
         Self::of(proxy, mode, rate_hz, height)
     }
 
-    fn of(proxy: Proxy, mode: TouchMode, rate_hz: f64, height: f64) -> Self {
+    fn of(proxy: Proxy, mode: ProxyMode, rate_hz: f64, height: f64) -> Self {
         let mass = proxy.mass;
         let mut desc = WorldDesc { time_step: 1.0 / rate_hz, ..WorldDesc::default() };
         let mut floor = body("floor", 1.0, [1.0; 3], Vec3::zeros());
@@ -67,8 +67,8 @@ impl Press {
             bone,
             proxy,
             hand: HapticHand::new(settings, vec![proxy], &start, 1).unwrap(),
-            frame: SlowToFast::new(&start, 1),
-            back: FastToSlow::new(&start),
+            frame: BoneFrame::new(&start, 1),
+            back: ProxyTargets::new(&start),
             user: VirtualUser::new(device, height),
             now_ns: 0,
         }
@@ -132,7 +132,7 @@ impl Press {
         self.now_ns += MS;
         self.hand.lead(0, at(self.user.measured_position(), self.user.measured_velocity()));
         self.hand.tick(self.now_ns, &self.frame);
-        self.hand.publish(self.now_ns, &mut self.back);
+        self.hand.write_targets(self.now_ns, &mut self.back);
         let force = self.hand.proxies().device_wrenches()[0][0].y;
         self.user.advance(force, push);
         force
@@ -143,7 +143,7 @@ impl Press {
 /// where two springs of 800 N/m in series say: 400 N/m against the blocked bone (validation E2).
 #[test]
 fn a_wall_is_as_stiff_as_both_couplings_in_series() {
-    for mode in [TouchMode::Multirate, TouchMode::SharedConstraints] {
+    for mode in [ProxyMode::Multirate, ProxyMode::SharedConstraints] {
         for rate in [20, 60, 100u64] {
             let mut press = Press::new(mode, rate as f64, RADIUS + 0.002);
             let (period, mut force) = (1000 / rate, 0.0);
@@ -165,7 +165,7 @@ fn a_wall_is_as_stiff_as_both_couplings_in_series() {
 /// A simulation at 20 Hz that then stalls for half a second: the force stays finite and smooth.
 #[test]
 fn a_stalled_simulation_leaves_a_continuous_force() {
-    for mode in [TouchMode::Multirate, TouchMode::SharedConstraints] {
+    for mode in [ProxyMode::Multirate, ProxyMode::SharedConstraints] {
         let mut press = Press::new(mode, 20.0, RADIUS + 0.001);
         let mut before = 0.0_f64;
         let mut jump = 0.0_f64;
@@ -187,7 +187,7 @@ fn a_stalled_simulation_leaves_a_continuous_force() {
     }
 }
 /// The force history on a hand that is led 4 mm up and 4 mm into the floor, twice a second.
-fn led_force(mode: TouchMode, rate: u64) -> Vec<f64> {
+fn led_force(mode: ProxyMode, rate: u64) -> Vec<f64> {
     let place = |ms: u64| RADIUS + 0.004 * (std::f64::consts::TAU * 0.002 * ms as f64).cos();
     let mut press = Press::new(mode, rate as f64, place(0));
     let led = |ms: u64| {
@@ -199,7 +199,7 @@ fn led_force(mode: TouchMode, rate: u64) -> Vec<f64> {
         press.now_ns += MS;
         press.hand.lead(0, at(y, velocity));
         press.hand.tick(press.now_ns, &press.frame);
-        press.hand.publish(press.now_ns, &mut press.back);
+        press.hand.write_targets(press.now_ns, &mut press.back);
         press.hand.proxies().device_wrenches()[0][0].y
     };
     (0..2000).map(led).collect()
@@ -209,18 +209,18 @@ fn led_force(mode: TouchMode, rate: u64) -> Vec<f64> {
 /// 1 kHz, on the same motion, contact resolved at the haptic rate errs several times less.
 #[test]
 fn shared_constraints_smooth_and_drag_less_than_the_papers_multirate() {
-    let whole = led_force(TouchMode::Multirate, 1000);
+    let whole = led_force(ProxyMode::Multirate, 1000);
     let largest = whole.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
     // 4 mm deep into 400 N/m, and some damping on the way.
     assert!((1.5..1.8).contains(&largest), "{largest} N");
-    let error = |mode: TouchMode, rate: u64| {
+    let error = |mode: ProxyMode, rate: u64| {
         let history = led_force(mode, rate);
         let square: f64 = history.iter().zip(&whole).map(|(a, b)| (a - b).powi(2)).sum();
         (square / whole.len() as f64).sqrt()
     };
     for rate in [20, 50] {
         let (papers, ours) =
-            (error(TouchMode::Multirate, rate), error(TouchMode::SharedConstraints, rate));
+            (error(ProxyMode::Multirate, rate), error(ProxyMode::SharedConstraints, rate));
         println!("{rate} Hz: rms error {papers:.4} N multirate, {ours:.4} N shared constraints");
         assert!(ours < 0.3 * papers, "{rate} Hz: {ours} N against {papers} N");
     }
@@ -234,7 +234,7 @@ fn free_proxies_do_not_ring() {
     let height = 0.2;
     let proxy = CouplingDesign::default().proxy(0.3, &Mat3::from_diagonal_element(3e-4));
     for frequency in [2.0, 5.0, 10.0, 16.0] {
-        let mut press = Press::of(proxy, TouchMode::SharedConstraints, 60.0, height);
+        let mut press = Press::of(proxy, ProxyMode::SharedConstraints, 60.0, height);
         let place =
             |ms: u64| height + 1e-3 * (std::f64::consts::TAU * frequency * 1e-3 * ms as f64).sin();
         let mut largest = 0.0_f64;
@@ -245,7 +245,7 @@ fn free_proxies_do_not_ring() {
             press.now_ns += MS;
             press.hand.lead(0, at(place(ms), (place(ms + 1) - place(ms - 1)) / 2e-3));
             press.hand.tick(press.now_ns, &press.frame);
-            press.hand.publish(press.now_ns, &mut press.back);
+            press.hand.write_targets(press.now_ns, &mut press.back);
             if ms > 1000 {
                 largest = largest.max(press.hand.device_wrenches()[0][0].y.abs());
             }

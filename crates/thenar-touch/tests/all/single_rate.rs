@@ -6,8 +6,8 @@ use thenar_core::model::{Digit, Motion, WorldDesc};
 use thenar_core::shape::Shape;
 use thenar_core::{Mat3, Pose, Vec3, World};
 use thenar_touch::{
-    CouplingDesign, FastToSlow, HapticHand, Pad, RigidState, SingleRate, SingleRateSettings,
-    SlowToFast, Touch, series_drive,
+    BoneFrame, CouplingDesign, HapticHand, Pad, ProxyTargets, RigidState, SingleRate,
+    SingleRateSettings, Touch, series_drive,
 };
 
 const MS: u64 = 1_000_000;
@@ -31,8 +31,8 @@ fn single_rate(height: f64) -> SingleRate {
     SingleRate::new(settings, world, bone..bone + 1).expect("a hand of one bone")
 }
 
-fn no_frame() -> SlowToFast {
-    SlowToFast::new(&[RigidState::at_rest(Pose::identity())], 0)
+fn no_frame() -> BoneFrame {
+    BoneFrame::new(&[RigidState::at_rest(Pose::identity())], 0)
 }
 
 /// Led 4 mm into the floor: 400 N/m times 4 mm at rest, whatever the length of the ticks.
@@ -54,8 +54,8 @@ fn a_floor_is_as_stiff_as_the_drive() {
         assert!((pressed - 1.6).abs() < 1e-3, "{lengths:?}: {pressed} N");
         let bone = touch.world().unwrap().rigid_pose(1).position.y;
         assert!((bone - RADIUS).abs() < 1e-5, "the bone rests on the floor: {bone} m");
-        let mut back = FastToSlow::new(touch.bones());
-        touch.publish(now, &mut back);
+        let mut back = ProxyTargets::new(touch.bones());
+        touch.write_targets(now, &mut back);
         assert!((back.proxies[0].pose_WB.position.y - (RADIUS - 0.004)).abs() < 1e-6);
     }
 }

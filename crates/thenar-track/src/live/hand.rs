@@ -2,12 +2,12 @@
 
 use super::check::checked;
 use super::clock::Timing;
-use super::doubt::{Doubt, Verdict, Waiting};
 use super::follower::{Law, follow, follow_rotation};
+use super::kinematic_state::KinematicState;
 use super::memory::{CALIBRATION, Memory, PoseSource};
-use super::noise::{FeltSpring, Levers};
+use super::noise::{FeltSpring, LeverArms};
 use super::observer::MEMORY;
-use super::stance::Stance;
+use super::outlier_gate::{GateDecision, OutlierGate, PendingWrist};
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
 use crate::calibration::RATIOS;
 use crate::{ANGLES, AngleRange, Articulation, BoneLengths, Knuckles, Retarget, hand_angles};
@@ -49,8 +49,8 @@ pub struct LiveHand {
     spring: FeltSpring,
     /// Samples that no motion explains wait for another that agrees; not in `memory`, which
     /// recordings keep.
-    doubt: Option<Doubt>,
-    levers: Levers,
+    outlier_gate: Option<OutlierGate>,
+    levers: LeverArms,
     /// All that changes and that the next step depends on, with what `retarget` and `knuckles` have
     /// learnt.
     pub(super) memory: Memory,
@@ -68,21 +68,21 @@ impl LiveHand {
     pub fn new(name: &str, hand: &HandModel) -> Result<Self, LiveError> {
         let unfit = |cause: String| LiveError::Unfit { hand: name.into(), cause };
         let articulation = Articulation::new(hand).map_err(|e| unfit(e.to_string()))?;
-        let stance = Stance::at_rest(&articulation);
+        let kinematic_state = KinematicState::at_rest(&articulation);
         let (bones, joints) = (articulation.tree.bones(), articulation.tree.joints());
         let ranges = hand_angles(hand, &articulation);
         Ok(Self {
             name: name.into(),
             length: hand.length,
-            levers: Levers::of(hand, &ranges),
+            levers: LeverArms::of(hand, &ranges),
             ranges,
             retarget: Retarget::uncalibrated(hand, false).ok(),
             knuckles: Knuckles::of(hand),
             bones: BoneLengths::of(hand),
             omega: OMEGA[1],
             spring: FeltSpring::default(),
-            doubt: None,
-            memory: Memory::new(stance, joints),
+            outlier_gate: None,
+            memory: Memory::new(kinematic_state, joints),
             wanted: vec![Pose::identity(); bones],
             poses: vec![Pose::identity(); bones],
             angles: vec![[0.0; 2]; joints],
@@ -107,7 +107,7 @@ impl LiveHand {
     /// one sample does nothing, and a true start is late by one sample. For forces, which a glitch
     /// would throw at the wearer.
     pub fn doubt_glitches(&mut self) {
-        self.doubt = Some(Doubt::new(self.memory.joints.len()));
+        self.outlier_gate = Some(OutlierGate::new(self.memory.joints.len()));
     }
 
     /// Lets pads that touch on the tracked hand touch on ours and no more. For forces: the wearer's
@@ -118,7 +118,7 @@ impl LiveHand {
 
     /// True if the last pose waits for another that agrees with it: nothing is known by it yet.
     pub fn waits(&self) -> bool {
-        self.doubt.as_ref().is_some_and(Doubt::waits)
+        self.outlier_gate.as_ref().is_some_and(OutlierGate::waits)
     }
 
     /// Returns the noise of the samples: 0 as sure as motion, 1 remembered for 50 ms, and more; the
@@ -164,7 +164,8 @@ impl LiveHand {
             // From straight on: what bends backwards is no part of closing.
             let open = range.min.max(0.0);
             if range.max > open {
-                let angle = self.memory.stance.angles[range.index][range.axis] * range.sense;
+                let angle =
+                    self.memory.kinematic_state.angles[range.index][range.axis] * range.sense;
                 sum += ((angle - open) / (range.max - open)).clamp(0.0, 1.0);
                 count += 1.0;
             }
@@ -175,10 +176,10 @@ impl LiveHand {
     /// The pose of a hand whose bones are at these targets, as a tracker would tell of it.
     pub fn pose_of(&mut self, targets: &[Option<Target>]) -> LivePose {
         let Self { articulation, memory, ranges, poses, angles, .. } = self;
-        let mut stance = memory.stance.clone();
-        stance.read(articulation, targets, None, poses, angles);
-        let wrist = Pose::new(stance.position[0], stance.rotation.0);
-        let angle = |r: &AngleRange| r.sense * stance.angles[r.index][r.axis];
+        let mut kinematic_state = memory.kinematic_state.clone();
+        kinematic_state.read(articulation, targets, None, poses, angles);
+        let wrist = Pose::new(kinematic_state.position[0], kinematic_state.rotation.0);
+        let angle = |r: &AngleRange| r.sense * kinematic_state.angles[r.index][r.axis];
         let angles = ranges.each_ref().map(|range| range.as_ref().map_or(0.0, angle));
         LivePose::Angles { wrist, angles }
     }
@@ -212,10 +213,10 @@ impl LiveHand {
         let was_lost = begins || self.is_lost();
         if was_lost {
             self.memory.clock.forget();
-            self.doubt.iter_mut().for_each(Doubt::forget);
+            self.outlier_gate.iter_mut().for_each(OutlierGate::forget);
         }
         let timing = self.memory.clock.take(time, self.memory.now);
-        let timing = match self.doubt.is_some() && !was_lost {
+        let timing = match self.outlier_gate.is_some() && !was_lost {
             true => match self.without_doubt(&wrist, timing) {
                 Some(timing) => timing,
                 None => return Ok(()),
@@ -246,7 +247,7 @@ impl LiveHand {
     /// there, a tracked hand sets out from there.
     pub fn restart(&mut self, targets: &[Option<Target>]) {
         let Self { articulation, memory, poses, angles, .. } = self;
-        memory.stance.read(articulation, targets, None, poses, angles);
+        memory.kinematic_state.read(articulation, targets, None, poses, angles);
         self.memory.script_known = false;
         self.memory.set_out = self.memory.now;
         if self.memory.way == PoseSource::Returning {
@@ -270,7 +271,7 @@ impl LiveHand {
             PoseSource::Script => {
                 let Self { articulation, memory, poses, angles, .. } = self;
                 let before = memory.script_known.then_some(h);
-                memory.stance.read(articulation, targets, before, poses, angles);
+                memory.kinematic_state.read(articulation, targets, before, poses, angles);
                 self.memory.script_known = true;
                 self.memory.now += h;
                 return;
@@ -287,13 +288,19 @@ impl LiveHand {
         self.follow(h);
         if self.memory.way == PoseSource::Returning && self.has_arrived() {
             self.memory.way = PoseSource::Script;
-            self.memory.stance.copy_from(&self.memory.script);
+            self.memory.kinematic_state.copy_from(&self.memory.script);
             return;
         }
-        let stance = &self.memory.stance;
-        let wrist = Pose::new(stance.position[0], stance.rotation.0);
-        let velocity = [stance.position[1], stance.rotation.1];
-        self.articulation.targets(&wrist, velocity, &stance.angles, &stance.rates, targets);
+        let kinematic_state = &self.memory.kinematic_state;
+        let wrist = Pose::new(kinematic_state.position[0], kinematic_state.rotation.0);
+        let velocity = [kinematic_state.position[1], kinematic_state.rotation.1];
+        self.articulation.targets(
+            &wrist,
+            velocity,
+            &kinematic_state.angles,
+            &kinematic_state.rates,
+            targets,
+        );
     }
 
     fn is_lost(&self) -> bool {
@@ -306,7 +313,7 @@ impl LiveHand {
             // The angles are those of the last step already; this keeps their rates.
             let Self { articulation, memory, poses, angles, .. } = self;
             if !memory.script_known {
-                memory.stance.read(articulation, targets, None, poses, angles);
+                memory.kinematic_state.read(articulation, targets, None, poses, angles);
             }
         }
         self.memory.way = PoseSource::Live;
@@ -364,9 +371,11 @@ impl LiveHand {
     /// it must wait for another that agrees with it. One that it bears out is taken before it.
     fn without_doubt(&mut self, wrist: &Pose, timing: Timing) -> Option<Timing> {
         let longest = self.longest(timing.gap);
-        let Self { doubt: Some(doubt), memory, angles, .. } = self else { return Some(timing) };
+        let Self { outlier_gate: Some(outlier_gate), memory, angles, .. } = self else {
+            return Some(timing);
+        };
         let since_taken = memory.now - memory.arrived + memory.late - timing.late;
-        let gap = if doubt.waits() { Some(since_taken.max(0.0)) } else { timing.gap };
+        let gap = if outlier_gate.waits() { Some(since_taken.max(0.0)) } else { timing.gap };
         let surprises = [
             memory.position.surprise(wrist.position, gap),
             memory.rotation.surprise(&wrist.rotation, gap),
@@ -374,12 +383,12 @@ impl LiveHand {
                 .map(|(joint, angle)| joint.surprise(*angle, gap))
                 .fold(0.0, f64::max),
         ];
-        match doubt.look(wrist, angles, surprises, gap.unwrap_or(0.0), timing.gap) {
-            Verdict::Waits => None,
-            Verdict::Taken => Some(Timing { gap, ..timing }),
-            Verdict::BornOut(Waiting { wrist, gap: before }) => {
+        match outlier_gate.look(wrist, angles, surprises, gap.unwrap_or(0.0), timing.gap) {
+            GateDecision::Waits => None,
+            GateDecision::Taken => Some(Timing { gap, ..timing }),
+            GateDecision::BornOut(PendingWrist { wrist, gap: before }) => {
                 let first = Timing { gap: Some(before), fresh: false, ..timing };
-                memory.observe(&wrist, doubt.angles(), &first, false, longest);
+                memory.observe(&wrist, outlier_gate.angles(), &first, false, longest);
                 let step = timing.gap.or_else(|| gap.map(|gap| (gap - before).max(0.0)));
                 Some(Timing { gap: step, ..timing })
             }
@@ -442,17 +451,19 @@ impl LiveHand {
         let quiet = [self.memory.position.quiet(), self.memory.rotation.quiet()];
         // A script may squeeze joints against their ends.
         let returns = self.memory.way == PoseSource::Returning;
-        let (stance, goal) = (&mut self.memory.stance, &self.memory.script);
-        stance.position = follow(stance.position, goal.position, law(SPEED_MAX, quiet[0]), h);
-        stance.rotation =
-            follow_rotation(stance.rotation, goal.rotation, law(SPIN_MAX, quiet[1]), h);
-        for j in 0..stance.angles.len() {
+        let (kinematic_state, goal) = (&mut self.memory.kinematic_state, &self.memory.script);
+        kinematic_state.position =
+            follow(kinematic_state.position, goal.position, law(SPEED_MAX, quiet[0]), h);
+        kinematic_state.rotation =
+            follow_rotation(kinematic_state.rotation, goal.rotation, law(SPIN_MAX, quiet[1]), h);
+        for j in 0..kinematic_state.angles.len() {
             let limits = self.articulation.tree.limits(j);
             for k in 0..2 {
-                let before = stance.angles[j][k];
+                let before = kinematic_state.angles[j][k];
                 let goal = [goal.angles[j][k], goal.rates[j][k]];
                 let law = law(JOINT_RATE_MAX, self.memory.joints[j][k].quiet());
-                let [mut angle, mut rate] = follow([before, stance.rates[j][k]], goal, law, h);
+                let [mut angle, mut rate] =
+                    follow([before, kinematic_state.rates[j][k]], goal, law, h);
                 if let Some(limit) = limits[k] {
                     // A script may have left the hand beyond a limit: then it goes no further.
                     let asked = if returns { goal[0] } else { before };
@@ -461,13 +472,13 @@ impl LiveHand {
                     rate = if inside == angle { rate } else { 0.0 };
                     angle = inside;
                 }
-                (stance.angles[j][k], stance.rates[j][k]) = (angle, rate);
+                (kinematic_state.angles[j][k], kinematic_state.rates[j][k]) = (angle, rate);
             }
         }
     }
 
     fn has_arrived(&self) -> bool {
-        let (a, b) = (&self.memory.stance, &self.memory.script);
+        let (a, b) = (&self.memory.kinematic_state, &self.memory.script);
         let near = |a: &[f64; 2], b: &[f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < ARRIVED);
         (a.position[0] - b.position[0]).norm() < ARRIVED
             && a.rotation.0.angle_to(&b.rotation.0) < ARRIVED

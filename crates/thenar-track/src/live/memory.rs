@@ -2,8 +2,8 @@
 //! with the same bits.
 
 use super::clock::{Clock, Timing};
+use super::kinematic_state::KinematicState;
 use super::observer::{Observed, ObservedRotation};
-use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LiveHand, SPEED_MAX, SPIN_MAX};
 use serde::{Deserialize, Serialize};
 use thenar_core::{Pose, Quat, Vec3};
@@ -55,16 +55,16 @@ pub struct Memory {
     /// The tracked joints.
     pub joints: Vec<[Observed<f64>; 2]>,
     /// Stance of the targets.
-    pub stance: Stance,
+    pub kinematic_state: KinematicState,
     /// Stance that the script wants, or the tracked pose.
-    pub script: Stance,
+    pub script: KinematicState,
     /// The script's place in the step before is known.
     pub script_known: bool,
 }
 
 impl Memory {
     /// Nothing is known of a tracker.
-    pub fn new(stance: Stance, joints: usize) -> Self {
+    pub fn new(kinematic_state: KinematicState, joints: usize) -> Self {
         Self {
             ratios: vec![1.0; CALIBRATION],
             calibrated: 0,
@@ -78,8 +78,8 @@ impl Memory {
             position: Observed::at(Vec3::zeros()),
             rotation: ObservedRotation::at(Quat::identity()),
             joints: vec![[Observed::at(0.0); 2]; joints],
-            script: stance.clone(),
-            stance,
+            script: kinematic_state.clone(),
+            kinematic_state,
             script_known: false,
         }
     }
@@ -119,8 +119,9 @@ impl Memory {
     /// True when it is of a hand with as many joints.
     fn fits(&self, other: &Self) -> bool {
         let joints = |memory: &Self| {
-            let (stance, script) = (&memory.stance, &memory.script);
-            let lists = [&stance.angles, &stance.rates, &script.angles, &script.rates];
+            let (kinematic_state, script) = (&memory.kinematic_state, &memory.script);
+            let lists =
+                [&kinematic_state.angles, &kinematic_state.rates, &script.angles, &script.rates];
             (memory.joints.len(), lists.map(Vec::len))
         };
         joints(self) == joints(other)

@@ -23,13 +23,13 @@
 
 mod check;
 mod clock;
-mod doubt;
 mod follower;
 mod hand;
+mod kinematic_state;
 mod memory;
 mod noise;
 mod observer;
-mod stance;
+mod outlier_gate;
 
 #[cfg(test)]
 mod tests;

@@ -82,14 +82,14 @@ const HALVINGS: usize = 19;
 
 /// Distances of the places where a hand is felt from what turns them \[m\].
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct Levers {
+pub struct LeverArms {
     /// From the wrist to the last bone that is farthest.
     wrist: f64,
     /// Per finger: joint, axis and distance to its last bone's centre, for each that bends it.
     fingers: Vec<Vec<(usize, usize, f64)>>,
 }
 
-impl Levers {
+impl LeverArms {
     /// Levers of a hand at rest.
     pub fn of(hand: &HandModel, ranges: &[Option<AngleRange>]) -> Self {
         let last = |digit: Digit| hand.bones.iter().rfind(|bone| bone.digit == digit);

@@ -23,13 +23,13 @@ use thenar_core::{Quat, Vec3};
 
 /// Time in which a sample loses its weight \[s\]: the least, and the most where nothing is felt.
 pub const MEMORY: [f64; 2] = [0.0139, 0.05];
-/// Weight of the newest residual in how alike residuals are.
-const NEWEST: f64 = 0.06;
-/// Likeness that they may have by chance: 2.3 times the deviation of the mean of white numbers,
-/// `√(NEWEST/(2 - NEWEST))`; less of what has several.
-const CHANCE: f64 = 0.4;
+/// Weight of the newest residual in the correlation of residuals.
+const RESIDUAL_GAIN: f64 = 0.06;
+/// Correlation that they may have by chance: 2.3 times the deviation of the mean of white numbers,
+/// `√(RESIDUAL_GAIN/(2 - RESIDUAL_GAIN))`; less of what has several.
+const CORRELATION_MIN: f64 = 0.4;
 /// Rate at which memory shrinks with what is beyond that, per sample.
-const ADAPTS: f64 = 1.0;
+const SHRINK_RATE: f64 = 1.0;
 /// A sample keeps `exp(-1.2)` of its weight until the next at least: slow trackers are noisier.
 const FADE_MAX: f64 = 1.2;
 
@@ -75,14 +75,14 @@ impl<T: Linear> Scatter<T> {
             self.memory = MEMORY[0];
         }
         let gains = Gains::after(gap, self.memory);
-        self.alike += NEWEST * (product - self.alike);
-        self.square += NEWEST * (square - self.square);
+        self.alike += RESIDUAL_GAIN * (product - self.alike);
+        self.square += RESIDUAL_GAIN * (square - self.square);
         self.before = residual;
         if self.square > 0.0 {
             let alike = (self.alike / self.square).clamp(-1.0, 1.0);
-            let shrinks = ADAPTS * (CHANCE / T::AXES.sqrt() - alike).min(0.0);
+            let shrinks = SHRINK_RATE * (CORRELATION_MIN / T::AXES.sqrt() - alike).min(0.0);
             // It grows, and comes down to what is less noisy, as fast as residuals are forgotten.
-            let nears = (longest / self.memory).ln().clamp(-NEWEST, NEWEST);
+            let nears = (longest / self.memory).ln().clamp(-RESIDUAL_GAIN, RESIDUAL_GAIN);
             let change = if shrinks < 0.0 { shrinks.min(nears) } else { nears };
             self.memory = (self.memory * change.exp()).max(MEMORY[0]);
         }

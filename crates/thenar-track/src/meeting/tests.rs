@@ -1,6 +1,6 @@
 use super::{LED, Meeting, PRESS, Pair};
 use crate::fixture;
-use crate::reach::{Angles, Chain, Goal, PadPlace, Reached, solve};
+use crate::reach::{Angles, Chain, Goal, PadKinematics, PadPlace, solve};
 use crate::recording::mirrored;
 use crate::tracker::Tracker;
 use crate::{Articulation, Retarget};
@@ -189,7 +189,7 @@ fn pads_far_apart_are_led_by_rotations_alone() {
 /// A thumb on the back of a finger, or beside it, pinches nothing however near it is.
 #[test]
 fn pads_that_do_not_face_each_other_are_left_alone() {
-    let reached = |normal: Vec3| Reached {
+    let reached = |normal: Vec3| PadKinematics {
         centre: Vec3::zeros(),
         normal,
         moves: [Vec3::zeros(); crate::reach::FREEDOMS_MAX],

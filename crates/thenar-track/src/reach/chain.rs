@@ -78,7 +78,7 @@ pub struct Chain {
 
 /// Place of a chain's pad, in the palm's frame, and its change with each freedom.
 #[derive(Clone, Copy, Debug)]
-pub struct Reached {
+pub struct PadKinematics {
     /// The pad's centre \[m\].
     pub centre: Vec3,
     /// Out of the skin.
@@ -148,11 +148,11 @@ impl Chain {
     }
 
     /// Returns the place of the pad at these angles.
-    pub fn reach(&self, angles: &Angles) -> Reached {
+    pub fn reach(&self, angles: &Angles) -> PadKinematics {
         let (poses, angles) = self.forward(&Pose::identity(), angles);
         let tip = self.pad_link();
         let centre = poses[tip].point(&self.pad.centre_B);
-        let mut reached = Reached {
+        let mut reached = PadKinematics {
             centre,
             normal: poses[tip].vector(&self.pad.normal_B),
             moves: [Vec3::zeros(); FREEDOMS_MAX],

@@ -6,7 +6,9 @@ mod solve;
 mod tips;
 mod within;
 
-pub use chain::{ALONG, Angles, Chain, FREEDOMS_MAX, Freedom, Pad, PadPlace, Reached, palmar_pad};
+pub use chain::{
+    ALONG, Angles, Chain, FREEDOMS_MAX, Freedom, Pad, PadKinematics, PadPlace, palmar_pad,
+};
 pub use solve::{Goal, solve};
 pub use tips::Fingertips;
 pub(crate) use within::step_within;

@@ -13,7 +13,7 @@
 //! beside the place bends it by a fraction of a millimetre, which a loop around this takes away
 //! where it matters.
 
-use super::chain::{Angles, Chain, FREEDOMS_MAX, Reached};
+use super::chain::{Angles, Chain, FREEDOMS_MAX, PadKinematics};
 use super::within::step_within;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
@@ -97,7 +97,7 @@ fn round(chain: &Chain, ease: &Angles, angles: &mut Angles, goal: &Goal) -> f64 
 }
 
 /// Returns the cost that rounds reduce: weighted squares of the way, of the turn and of unease.
-fn lack(ease: &Angles, angles: &Angles, reached: &Reached, goal: &Goal) -> f64 {
+fn lack(ease: &Angles, angles: &Angles, reached: &PadKinematics, goal: &Goal) -> f64 {
     let turn = turn_between(&reached.normal, &goal.normal);
     let unease = ease.iter().zip(angles).map(|(ease, angle)| (ease - angle).powi(2));
     (goal.centre - reached.centre).norm_squared()

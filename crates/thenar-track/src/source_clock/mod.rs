@@ -20,23 +20,23 @@ const BACK: i64 = 200_000_000;
 /// A step ahead by this is a jump; a smaller one is a shorter way than was known \[ns\].
 const AHEAD: i64 = 250_000_000;
 /// A device all of whose samples seem this late ... \[ns\]
-const LATE: i64 = 100_000_000;
+const LATENESS: i64 = 100_000_000;
 /// ... for so long has put its clock back \[ns\].
-const LATE_FOR: u64 = 1_000_000_000;
+const LATENESS_DURATION: u64 = 1_000_000_000;
 /// A device that goes on speaking, and whose clock shows the same for so long, has a clock that
 /// stands still \[ns\].
-const STILL_FOR: u64 = 1_000_000_000;
+const STILL_DURATION: u64 = 1_000_000_000;
 /// Times beyond are no times of a clock (292 years, halved) \[ns\].
 const CLOCK_MAX: i64 = i64::MAX / 2;
 
 /// Follows one device's clock.
 #[derive(Clone, Debug, Default)]
 pub struct SourceClock {
-    known: Option<Known>,
+    known: Option<ClockState>,
 }
 
 #[derive(Clone, Debug)]
-struct Known {
+struct ClockState {
     /// Ours minus the device's.
     offsets: Offsets,
     /// The device's newest time \[ns\].
@@ -71,7 +71,7 @@ impl SourceClock {
         let last = (source, now_ns);
         let fresh = || {
             let offsets = Offsets::new(now_ns, difference);
-            Some(Known { offsets, newest: source, last, late_since: None })
+            Some(ClockState { offsets, newest: source, last, late_since: None })
         };
         let Some(known) = &mut self.known else {
             self.known = fresh();
@@ -80,15 +80,16 @@ impl SourceClock {
         // The same again, such as the other hand's, says nothing about the clock.
         if source == known.last.0 {
             let time = source.saturating_add(known.offsets.at(now_ns)).clamp(0, now) as u64;
-            let stands_still = now_ns.saturating_sub(known.last.1) > STILL_FOR;
+            let stands_still = now_ns.saturating_sub(known.last.1) > STILL_DURATION;
             return CarriedTime { time_ns: time, jumped: false, stands_still };
         }
         let expected = known.offsets.at(now_ns);
-        let late = difference.saturating_sub(expected) > LATE;
+        let late = difference.saturating_sub(expected) > LATENESS;
         let late_since = late.then(|| known.late_since.unwrap_or(now_ns));
         let back = known.newest.saturating_sub(source) > BACK;
         let ahead = expected.saturating_sub(difference) > AHEAD;
-        let stays_late = late_since.is_some_and(|since| now_ns.saturating_sub(since) > LATE_FOR);
+        let stays_late =
+            late_since.is_some_and(|since| now_ns.saturating_sub(since) > LATENESS_DURATION);
         if back || ahead || stays_late {
             self.known = fresh();
             return CarriedTime { time_ns: now_ns, jumped: true, stands_still: false };

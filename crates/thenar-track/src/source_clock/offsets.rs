@@ -6,9 +6,9 @@
 //! that lies below all of them.
 
 /// Length of the times of each of which the least difference is kept \[ns\].
-const EACH: u64 = 500_000_000;
+const WINDOW: u64 = 500_000_000;
 /// Number of these: 20 s, over which a way that is uncertain by 1 ms tells the rate within 1e-4.
-const KEPT: usize = 40;
+const WINDOWS: usize = 40;
 /// The rate is found from differences that span so much \[ns\]; before, the clocks are taken to run
 /// alike.
 const SPAN: u64 = 2_000_000_000;
@@ -23,7 +23,7 @@ const UNSURE: f64 = 2e-4;
 
 /// A difference of the clocks, and when it was seen by ours.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+struct OffsetSample {
     at_ns: u64,
     difference: i64,
 }
@@ -32,24 +32,24 @@ struct Seen {
 #[derive(Clone, Debug)]
 pub struct Offsets {
     /// The least of each half second, oldest first.
-    least: [Seen; KEPT],
+    least: [OffsetSample; WINDOWS],
     count: usize,
     /// The least of the present half second, and when that began \[ns\].
-    present: Seen,
+    present: OffsetSample,
     began_ns: u64,
     /// The line: where it was at a time, and its slope.
-    line: Seen,
+    line: OffsetSample,
     rate: f64,
     /// Offset that is reported, which follows the line without a step.
-    told: Seen,
+    told: OffsetSample,
 }
 
 impl Offsets {
     /// A clock that is seen for the first time.
     pub fn new(at_ns: u64, difference: i64) -> Self {
-        let seen = Seen { at_ns, difference };
+        let seen = OffsetSample { at_ns, difference };
         Self {
-            least: [Seen::default(); KEPT],
+            least: [OffsetSample::default(); WINDOWS],
             count: 0,
             present: seen,
             began_ns: at_ns,
@@ -74,23 +74,24 @@ impl Offsets {
     /// Takes in a difference. One that is `late` says nothing of the clocks.
     pub fn take(&mut self, now_ns: u64, difference: i64, late: bool) -> i64 {
         let offset = self.at(now_ns).min(difference);
-        self.told = Seen { at_ns: now_ns, difference: offset };
+        self.told = OffsetSample { at_ns: now_ns, difference: offset };
         if late {
             return offset;
         }
-        let seen = Seen { at_ns: now_ns, difference };
+        let seen = OffsetSample { at_ns: now_ns, difference };
         if difference < self.line_at(now_ns).saturating_sub(STEP) {
             // What was before says nothing of where the line is now; the clock runs as it ran.
             (self.count, self.began_ns, self.present, self.line) = (0, now_ns, seen, seen);
             return offset;
         }
-        if since(self.began_ns, now_ns) >= EACH as f64 {
+        if since(self.began_ns, now_ns) >= WINDOW as f64 {
             self.keep(now_ns);
             (self.began_ns, self.present) = (now_ns, seen);
         } else {
             // By what is above the line: within half a second a clock may run on by more than a way
             // differs.
-            let above = |seen: &Seen| seen.difference.saturating_sub(self.line_at(seen.at_ns));
+            let above =
+                |seen: &OffsetSample| seen.difference.saturating_sub(self.line_at(seen.at_ns));
             if above(&seen) < above(&self.present) {
                 self.present = seen;
             }
@@ -103,16 +104,17 @@ impl Offsets {
 
     /// The present half second is over.
     fn keep(&mut self, now_ns: u64) {
-        let old = |seen: &Seen| since(seen.at_ns, now_ns) > (KEPT as u64 * EACH) as f64;
+        let old =
+            |seen: &OffsetSample| since(seen.at_ns, now_ns) > (WINDOWS as u64 * WINDOW) as f64;
         let stale = self.least[..self.count].iter().filter(|seen| old(seen)).count();
-        let gone = stale.max(usize::from(self.count == KEPT));
+        let gone = stale.max(usize::from(self.count == WINDOWS));
         self.least.copy_within(gone..self.count, 0);
         self.count -= gone;
         if old(&self.present) {
             // Silence: the clock ran on as it did, as far as that is known.
             let silent = since(self.present.at_ns, now_ns);
             let difference = self.line_at(now_ns).saturating_add((UNSURE * silent) as i64);
-            self.line = Seen { at_ns: now_ns, difference };
+            self.line = OffsetSample { at_ns: now_ns, difference };
             return;
         }
         self.least[self.count] = self.present;
@@ -127,8 +129,8 @@ impl Offsets {
         if since(first.at_ns, last.at_ns) < SPAN as f64 {
             return;
         }
-        let time = |seen: &Seen| since(first.at_ns, seen.at_ns);
-        let height = |seen: &Seen| seen.difference.saturating_sub(first.difference) as f64;
+        let time = |seen: &OffsetSample| since(first.at_ns, seen.at_ns);
+        let height = |seen: &OffsetSample| seen.difference.saturating_sub(first.difference) as f64;
         let mean = kept.iter().map(time).sum::<f64>() / kept.len() as f64;
         // Of the chords across the mean time the lowest there is an edge of the lower hull.
         let (mut lowest, mut slope) = (f64::INFINITY, 0.0);
@@ -145,7 +147,7 @@ impl Offsets {
         let below = kept.iter().map(|seen| height(seen) - rate * (time(seen) - mean));
         let there = below.fold(f64::INFINITY, f64::min);
         let difference = first.difference.saturating_add(there as i64);
-        self.line = Seen { at_ns: first.at_ns.saturating_add(mean as u64), difference };
+        self.line = OffsetSample { at_ns: first.at_ns.saturating_add(mean as u64), difference };
         self.rate = rate;
     }
 }

@@ -1,7 +1,7 @@
 //! Findings on what a machine lacks for touch, and the command that mends it.
 
 use super::facts::{Facts, Limit, Port};
-use thenar_link::realtime::Urgency;
+use thenar_link::realtime::PriorityClass;
 
 /// The longest that waking a processor may take \[us\]: a tenth of a tick.
 const WAKES_MAX: u32 = 100;
@@ -66,7 +66,7 @@ fn permit(limit: Option<Limit>, wanted: Option<u64>, option: &str, item: &str) -
 
 fn priority(facts: &Facts, tried: &Result<(), String>) -> Finding {
     let what = "real-time priority";
-    let wanted = u64::from(Urgency::Keeper.priority());
+    let wanted = u64::from(PriorityClass::Keeper.priority());
     let state = match (facts.priority, facts.privileged[0]) {
         (_, true) => "allowed by a capability".to_owned(),
         (Some([Some(now), _]), false) => format!("allowed up to {now} of {wanted}"),

@@ -11,7 +11,7 @@ use crate::error::CliError;
 use facts::Facts;
 use findings::judge;
 use std::path::Path;
-use thenar_link::realtime::{Urgency, lock_memory, raise_priority, touch_stack};
+use thenar_link::realtime::{PriorityClass, lock_memory, raise_priority, touch_stack};
 
 /// Check whether this machine is fit for touch.
 #[derive(Debug, clap::Args)]
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 fn tried() -> Result<[Result<(), String>; 2], CliError> {
     let trial = || {
         touch_stack();
-        [raise_priority(Urgency::Keeper), lock_memory()]
+        [raise_priority(PriorityClass::Keeper), lock_memory()]
     };
     let thread = std::thread::Builder::new().name("trial".into()).spawn(trial);
     let thread = thread.map_err(|e| CliError::Other(format!("cannot start a thread: {e}")))?;

@@ -1,7 +1,7 @@
 //! Goal: force rises in small steps to what is allowed and no further, and a silent device ends it.
 //! Method: the guard and a display in memory, in simulated time.
 
-use super::raise::STEPS;
+use super::force_ramp::STEPS;
 use super::*;
 use crate::devices::feel::fake::{Display, MS};
 use std::sync::{Arc, Mutex};
@@ -10,18 +10,18 @@ use std::sync::{Arc, Mutex};
 /// before it counts.
 #[test]
 fn force_rises_in_small_steps() {
-    let raise = Raise::new(1, 6.0, 1.5, 2.0);
-    assert_eq!(raise.at(0.0), Some((0.0, 0.0)));
-    assert_eq!(raise.at(2.1), Some((0.0, 0.0)));
+    let force_ramp = ForceRamp::new(1, 6.0, 1.5, 2.0);
+    assert_eq!(force_ramp.at(0.0), Some((0.0, 0.0)));
+    assert_eq!(force_ramp.at(2.1), Some((0.0, 0.0)));
     let mut before = 0.0;
     for ms in 0..20_100 {
-        let (force, comfortable) = raise.at(f64::from(ms) * 1e-3).unwrap();
+        let (force, comfortable) = force_ramp.at(f64::from(ms) * 1e-3).unwrap();
         assert!(force >= before && force - before < 2e-3, "{ms} ms: {before} to {force} N");
         assert!(comfortable <= force && force - comfortable <= 0.5 + 1e-9);
         before = force;
     }
     assert_eq!(before, 6.0);
-    assert_eq!(raise.at(2.2 + 1.5 * f64::from(STEPS)), None);
+    assert_eq!(force_ramp.at(2.2 + 1.5 * f64::from(STEPS)), None);
 }
 
 /// Output on a display while force rises on the middle finger, tick by tick; from `silent_ms` on
@@ -31,20 +31,20 @@ fn risen(
     own: Limits,
     part: Option<f64>,
     silent_ms: u64,
-) -> (Option<Ended>, Vec<HandOutput>) {
+) -> (Option<RampEnd>, Vec<HandOutput>) {
     let (clock, shown) = (Arc::new(Mutex::new(0)), Arc::new(Mutex::new(Vec::new())));
     let mut display = Display { rendering, heard_ns: clock.clone(), shown: shown.clone() };
     let limits = allowed(&rendering.limits(own), part);
     let mut trial = Trial::new(&mut display, None, limits, 0.25).unwrap();
     trial.begin(limits).unwrap();
-    let raise = Raise::new(2, limits.force_max(), 0.2, limits.ramp);
+    let force_ramp = ForceRamp::new(2, limits.force_max(), 0.2, limits.ramp);
     let (mut ended, mut ms) = (None, 0);
-    while let Some((force, _)) = raise.at(ms as f64 * 1e-3) {
+    while let Some((force, _)) = force_ramp.at(ms as f64 * 1e-3) {
         let now = (1000 + ms) * MS;
         if ms < silent_ms {
             *clock.lock().unwrap() = now;
         }
-        ended = raise.tick(&mut trial, now, force).unwrap();
+        ended = force_ramp.tick(&mut trial, now, force).unwrap();
         if ended.is_some() {
             break;
         }
@@ -72,7 +72,7 @@ fn the_session_limits_it() {
 fn a_silent_device_ends_it() {
     let own = Limits { ramp: 0.1, ..Limits::cybergrasp() };
     let (ended, shown) = risen(Rendering::Tendons, own, None, 1500);
-    assert_eq!(ended, Some(Ended::Silent));
+    assert_eq!(ended, Some(RampEnd::Silent));
     assert!(shown.iter().any(|o| o.digits[2].pad_force > 2.0));
     let last = shown.last().unwrap();
     assert_eq!(last.digits, HandOutput::released(last.side, 0).digits);

@@ -42,7 +42,7 @@ const TURNS: usize = 8;
 
 /// Ways in which a hand is kept busy.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Doing {
+enum Activity {
     /// Nothing touches.
     Free,
     /// Pressed on a table, at rest.
@@ -55,7 +55,7 @@ enum Doing {
     DefaultHolds,
 }
 
-impl Doing {
+impl Activity {
     fn name(self) -> &'static str {
         match self {
             Self::Free => "free",
@@ -91,7 +91,7 @@ impl Doing {
 
 /// A work and how long it may take.
 struct Work {
-    doing: Doing,
+    doing: Activity,
     tets: u32,
     time_step: f64,
     /// Median and 99th percentile [ms].
@@ -99,7 +99,7 @@ struct Work {
 }
 
 impl Work {
-    const fn new(doing: Doing, tets: u32, time_step: f64, goal: (f64, Option<f64>)) -> Self {
+    const fn new(doing: Activity, tets: u32, time_step: f64, goal: (f64, Option<f64>)) -> Self {
         Self { doing, tets, time_step, goal }
     }
 }
@@ -108,17 +108,17 @@ impl Work {
 const DEFAULT: u32 = 0;
 
 const WORKS: [Work; 11] = [
-    Work::new(Doing::DefaultFree, DEFAULT, 5e-3, (1.5, None)),
-    Work::new(Doing::DefaultHolds, DEFAULT, 5e-3, (2.5, None)),
-    Work::new(Doing::Free, 600, 1e-3, (0.2, None)),
-    Work::new(Doing::Free, 600, 5e-3, (0.2, None)),
-    Work::new(Doing::Rests, 600, 1e-3, (0.4, None)),
-    Work::new(Doing::Lands, 600, 1e-3, (0.7, Some(1.1))),
-    Work::new(Doing::Rests, 2000, 1e-3, (1.2, None)),
-    Work::new(Doing::Lands, 2000, 1e-3, (1.2, None)),
-    Work::new(Doing::Free, 17_000, 1.0 / 90.0, (4.0, None)),
-    Work::new(Doing::Rests, 17_000, 1.0 / 90.0, (6.0, None)),
-    Work::new(Doing::Lands, 17_000, 1.0 / 90.0, (9.0, None)),
+    Work::new(Activity::DefaultFree, DEFAULT, 5e-3, (1.5, None)),
+    Work::new(Activity::DefaultHolds, DEFAULT, 5e-3, (2.5, None)),
+    Work::new(Activity::Free, 600, 1e-3, (0.2, None)),
+    Work::new(Activity::Free, 600, 5e-3, (0.2, None)),
+    Work::new(Activity::Rests, 600, 1e-3, (0.4, None)),
+    Work::new(Activity::Lands, 600, 1e-3, (0.7, Some(1.1))),
+    Work::new(Activity::Rests, 2000, 1e-3, (1.2, None)),
+    Work::new(Activity::Lands, 2000, 1e-3, (1.2, None)),
+    Work::new(Activity::Free, 17_000, 1.0 / 90.0, (4.0, None)),
+    Work::new(Activity::Rests, 17_000, 1.0 / 90.0, (6.0, None)),
+    Work::new(Activity::Lands, 17_000, 1.0 / 90.0, (9.0, None)),
 ];
 
 /// Times of one solver at one work.

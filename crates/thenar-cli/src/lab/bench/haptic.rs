@@ -78,8 +78,8 @@ fn ticks() -> Result<Ticks, String> {
         while let Ok(record) = ticks.records.pop() {
             pressing |= record.contacts > 0;
         }
-        if let Some(reel) = &mut ticks.reel {
-            reel.wind();
+        if let Some(incident_reader) = &mut ticks.incident_reader {
+            incident_reader.drain();
         }
         if pressing {
             times.pressing.push(took)

@@ -172,7 +172,7 @@ struct Socket {
 impl Socket {
     fn new(hub: Hub) -> Result<Self, String> {
         let options = http::Options {
-            reach: Reach::Desk,
+            reach: Reach::Loopback,
             address: None,
             port: Port::Exactly(0),
             limits: RequestLimits::default(),

@@ -31,7 +31,7 @@ pub struct Args {
 }
 
 /// Operations and bytes of a stage.
-struct Count {
+struct StageCost {
     name: &'static str,
     flops: f64,
     bytes: f64,
@@ -70,12 +70,12 @@ pub fn run(args: &Args) -> Result<(), String> {
 
 /// Least times of the stages \[s\].
 #[derive(Default)]
-struct Least {
+struct StageTimes {
     running: Option<(usize, Instant)>,
     now: [f64; 5],
 }
 
-impl StageTimer for Least {
+impl StageTimer for StageTimes {
     fn begin(&mut self, stage: Option<Stage>) {
         let at = Instant::now();
         if let Some((stage, since)) = self.running.take() {
@@ -91,7 +91,7 @@ fn stages(session: &mut Session, steps: u32) -> (Vec<(f64, f64)>, [f64; 5]) {
     let mut by_iterations: Vec<(f64, f64)> = Vec::new();
     let mut least = [f64::INFINITY; 5];
     for _ in 0..steps {
-        let mut timer = Least::default();
+        let mut timer = StageTimes::default();
         let iterations = f64::from(session.step(&mut timer).cg_iterations);
         least.iter_mut().zip(timer.now).for_each(|(least, now)| *least = least.min(now));
         let flesh = timer.now[Stage::Flesh as usize];
@@ -103,7 +103,7 @@ fn stages(session: &mut Session, steps: u32) -> (Vec<(f64, f64)>, [f64; 5]) {
     (by_iterations, least)
 }
 
-fn counts(wanted: &SessionSpec, steps: u32) -> Result<Vec<Count>, String> {
+fn counts(wanted: &SessionSpec, steps: u32) -> Result<Vec<StageCost>, String> {
     let mut session = free(wanted)?;
     let (usual, least) = stages(&mut session, steps);
     // The same steps solved more accurately, by which the factor is not yet worth its cost: the
@@ -141,7 +141,7 @@ fn counts(wanted: &SessionSpec, steps: u32) -> Result<Vec<Count>, String> {
     }
 
     let (tets, nodes) = (model.flesh.tets.len() as f64, model.flesh.mass.len() as f64);
-    let carried: f64 = model.coupling.bound.iter().map(|b| b.carriers() as f64).sum();
+    let carried: f64 = model.coupling.bound.iter().map(|b| b.bone_count() as f64).sum();
     let node_row = |i: usize| i >= row0;
     let blocks = (0..rows)
         .filter(|&i| node_row(i))
@@ -150,7 +150,7 @@ fn counts(wanted: &SessionSpec, steps: u32) -> Result<Vec<Count>, String> {
         .count() as f64;
     let met = carried / nodes;
     Ok(vec![
-        Count {
+        StageCost {
             name: "assembly with rotations",
             // F 54, Newton 4×11, rotation 190, stress and forces 110, dots 60; 16 blocks of 9
             // numbers: two multiply-adds and the sum into the matrix.
@@ -160,32 +160,32 @@ fn counts(wanted: &SessionSpec, steps: u32) -> Result<Vec<Count>, String> {
             bytes: tets * 192.0 + nodes * 72.0 + blocks * 144.0,
             time: assembly,
         },
-        Count {
+        StageCost {
             name: "bones' system and block diagonal",
             // B J: nine multiply-adds of six numbers for each block and carrier; then Jᵀ.
             flops: blocks * met * 108.0 + nodes * met * 3.0 * 144.0 + nodes * 60.0,
             bytes: blocks * 72.0 + nodes * (144.0 + 192.0 * met),
             time: (usual_time - usual_n * iteration - assembly).max(0.0),
         },
-        Count {
+        StageCost {
             name: "one iteration of conjugate gradients",
             flops: blocks * 18.0 + carried * 48.0 + nodes * (18.0 + 6.0 * 6.0),
             bytes: blocks * 76.0 + carried * 80.0 + nodes * (72.0 + 7.0 * 24.0),
             time: iteration,
         },
-        Count {
+        StageCost {
             name: "all iterations of a step",
             flops: usual_n * (blocks * 18.0 + carried * 48.0 + nodes * 54.0),
             bytes: usual_n * (blocks * 76.0 + carried * 80.0 + nodes * 240.0),
             time: usual_n * iteration,
         },
-        Count {
+        StageCost {
             name: "detection, nothing near",
             flops: model.vertices.len() as f64 * 48.0,
             bytes: model.vertices.len() as f64 * (48.0 + 48.0) + nodes * 48.0,
             time: least[Stage::Detect as usize],
         },
-        Count {
+        StageCost {
             name: "integration and embedding",
             flops: model.vertices.len() as f64 * 24.0 + nodes * 6.0,
             bytes: model.vertices.len() as f64 * (48.0 + 24.0) + nodes * 72.0,

@@ -151,8 +151,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 fn start_table(path: &Path, of: &Comparison) -> Result<TableWriter<Output>, CliError> {
     let lines = path.extension().is_some_and(|e| e == "jsonl");
     let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
-    let draft = Output::create(path)?;
-    TableWriter::new(draft, format, of.columns()).map_err(|e| failed("the table", &e))
+    let output = Output::create(path)?;
+    TableWriter::new(output, format, of.columns()).map_err(|e| failed("the table", &e))
 }
 
 fn failed(what: &str, error: &std::io::Error) -> CliError {

@@ -23,7 +23,7 @@ pub const SLACK: f64 = 0.5e-3;
 const KEYS_MAX: usize = 2000;
 
 /// A press that was run: time \[s\] and force \[N\] of each step, or why it could not be.
-type Pressed = Result<(Vec<f64>, Vec<f64>), String>;
+type PressResult = Result<(Vec<f64>, Vec<f64>), String>;
 
 /// A press.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ pub struct Bench {
     /// Speed of the press where the data have no time, and of the approach \[m/s\].
     rate: f64,
     /// Presses that were run, by their changes: without times an offset is read from one of these.
-    known: Mutex<BTreeMap<Vec<String>, Arc<Pressed>>>,
+    known: Mutex<BTreeMap<Vec<String>, Arc<PressResult>>>,
     presses: AtomicUsize,
 }
 
@@ -227,7 +227,7 @@ impl Bench {
     }
 
     /// Runs a press.
-    fn press(&self, changes: &[String]) -> Result<Pressed, CliError> {
+    fn press(&self, changes: &[String]) -> Result<PressResult, CliError> {
         self.presses.fetch_add(1, Ordering::Relaxed);
         let mut session = match self.open(changes) {
             Ok(session) => session,

@@ -97,7 +97,7 @@ fn apart(values: &[f64], data: &[f64]) -> Vec<f64> {
     values.iter().zip(data).map(|(v, d)| v - d).collect()
 }
 
-type Better = (Vec<f64>, Vec<f64>, f64);
+type Improvement = (Vec<f64>, Vec<f64>, f64);
 
 /// A place with a smaller sum of squares, its residuals and the largest coordinate of the step to
 /// it; the damping falls with success and rises without.
@@ -108,7 +108,7 @@ fn better<E>(
     residuals: &[f64],
     J: &DMatrix<f64>,
     damping: &mut f64,
-) -> Result<Option<Better>, E> {
+) -> Result<Option<Improvement>, E> {
     let r = DVector::from_column_slice(residuals);
     let (normal, gradient) = (J.transpose() * J, J.transpose() * &r);
     let largest = normal.diagonal().max();

@@ -9,7 +9,7 @@ use crate::touch::ModeWord;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar_output::Output;
-use thenar_rehearsal::{Human, Onset, Rehearsal, RehearsalError};
+use thenar_rehearsal::{FingerImpedance, Onset, Rehearsal, RehearsalError};
 use thenar_scene::session::Session;
 use thenar_touch::{GRIP, TrackerTiming};
 
@@ -27,7 +27,7 @@ pub struct Args {
     scene: Option<PathBuf>,
     /// Mass [kg], damping [N s/m] and stiffness [N/m] of each finger at its pad.
     #[arg(long, value_name = "M,B,K", default_value = "0.05,1,50", value_parser = human)]
-    human: Human,
+    human: FingerImpedance,
     /// Mode in which touch joins the tracked hand and the simulation.
     #[arg(long, value_enum, default_value_t)]
     mode: ModeWord,
@@ -144,7 +144,7 @@ fn short(x: f64) -> String {
 }
 
 fn head(args: &Args) -> String {
-    let Human { mass, damping, stiffness } = args.human;
+    let FingerImpedance { mass, damping, stiffness } = args.human;
     let mut out = format!(
         "stiffest coupling on which a hand comes to rest [N/m], rehearsed (by theory), and what the loop shows\n\
          fingers of {mass} kg, {damping} N s/m, {stiffness} N/m; `all`: it rests on the scene's own couplings; `>`: on all tried\n\n{:>9}",
@@ -213,7 +213,7 @@ fn picture(args: &Args, map: &Map) -> String {
             marks: Vec::new(),
         },
     ];
-    let Human { mass, damping, stiffness } = args.human;
+    let FingerImpedance { mass, damping, stiffness } = args.human;
     let subtitle = format!(
         "fingers of {mass} kg, {damping} N s/m, {stiffness} N/m; lines: a late spring, dots: rehearsed, dashed: shown"
     );

@@ -4,7 +4,7 @@ use crate::error::CliError;
 use crate::run::open_live;
 use crate::touch::ModeWord;
 use std::path::PathBuf;
-use thenar_rehearsal::{Human, Outcome, Rehearsal, RehearsalError};
+use thenar_rehearsal::{FingerImpedance, Outcome, Rehearsal, RehearsalError};
 use thenar_touch::{GRIP, LoopProfile, MARGIN, TrackerTiming};
 
 /// Names of fingers, thumb first.
@@ -19,7 +19,7 @@ pub struct Args {
     scene: PathBuf,
     /// Mass [kg], damping [N s/m] and stiffness [N/m] of each finger at its pad.
     #[arg(long, value_name = "M,B,K", default_value = "0.05,1,50", value_parser = human)]
-    human: Human,
+    human: FingerImpedance,
     /// Rate [Hz], delay [ms] and noise [mm] of the tracker; with units also as 90Hz,0.04s,1mm.
     #[arg(long, value_name = "HZ,DELAY,NOISE", default_value = "90,20,0", value_parser = tracker)]
     tracker: TrackerTiming,
@@ -68,11 +68,11 @@ fn three(text: &str, units: [&[(&str, f64)]; 3], names: [&str; 3]) -> Result<[f6
     Ok(numbers)
 }
 
-pub(super) fn human(text: &str) -> Result<Human, String> {
+pub(super) fn human(text: &str) -> Result<FingerImpedance, String> {
     let units: [&[(&str, f64)]; 3] =
         [&[("kg", 1.0), ("g", 1e-3)], &[("Ns/m", 1.0)], &[("N/m", 1.0)]];
     let [mass, damping, stiffness] = three(text, units, ["M", "B", "K"])?;
-    Ok(Human { mass, damping, stiffness })
+    Ok(FingerImpedance { mass, damping, stiffness })
 }
 
 pub(super) fn tracker(text: &str) -> Result<TrackerTiming, String> {
@@ -107,7 +107,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 }
 
 fn print(what: &Rehearsal, out: &Outcome) {
-    let Human { mass, damping, stiffness } = what.human;
+    let FingerImpedance { mass, damping, stiffness } = what.human;
     let TrackerTiming { rate, latency, noise } = what.tracker;
     println!("fingers of {mass} kg, {damping} N s/m, {stiffness} N/m");
     println!("tracker of {rate} Hz, {:.1} ms late, noise {:.2} mm", 1e3 * latency, 1e3 * noise);
@@ -184,12 +184,12 @@ fn rule(grip: f64, delay: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar_rehearsal::Felt;
+    use thenar_rehearsal::FingerOutcome;
 
     #[test]
     fn a_verdict_is_given_on_what_was_felt() {
         let felt = |mean: f64, rms: f64, beyond: f64| Outcome {
-            fingers: [Felt { mean, rms, beyond, ..Felt::default() }; 5],
+            fingers: [FingerOutcome { mean, rms, beyond, ..FingerOutcome::default() }; 5],
             // Something else was felt on the way.
             largest: [1.0, 0.0],
             felt: mean + rms,
@@ -220,7 +220,7 @@ mod tests {
         for text in ["90,40,1", "90Hz,40ms,1mm", "90, 0.04s, 0.001m"] {
             assert_eq!(tracker(text).unwrap(), want, "{text}");
         }
-        let want = Human { mass: 0.05, damping: 1.0, stiffness: 50.0 };
+        let want = FingerImpedance { mass: 0.05, damping: 1.0, stiffness: 50.0 };
         assert_eq!(human("0.05,1,50").unwrap(), want);
         assert_eq!(human("50g,1Ns/m,50N/m").unwrap(), want);
         assert_eq!(human("1,2").unwrap_err(), "expected three numbers, M,B,K");

@@ -7,7 +7,7 @@ mod message;
 mod numbers;
 mod picture;
 
-use super::{Every, Sink};
+use super::{Schedule, Sink};
 use crate::error::CliError;
 use ::mcap::records::MessageHeader;
 use ::mcap::write::NoSeek;
@@ -38,7 +38,7 @@ struct Topic {
 pub struct Export {
     writer: Writer<NoSeek<Output>>,
     topics: BTreeMap<String, Topic>,
-    every: Every,
+    every: Schedule,
     /// Start of the recording \[ns since 1970\].
     begun: u64,
     /// Time of the newest step in this scene \[ns\].
@@ -71,11 +71,11 @@ impl Export {
             .compression(None)
             .disable_seeking(true)
             .library(concat!("thenar ", env!("CARGO_PKG_VERSION")));
-        let draft = NoSeek::new(Output::create(file)?);
+        let output = NoSeek::new(Output::create(file)?);
         let mut export = Self {
-            writer: options.create(draft).map_err(|e| failed(&e))?,
+            writer: options.create(output).map_err(|e| failed(&e))?,
             topics: BTreeMap::new(),
-            every: Every::at_most(Some(rate.unwrap_or(RATE))),
+            every: Schedule::at_most(Some(rate.unwrap_or(RATE))),
             begun: header.created_unix_ns,
             last_step: None,
             newest: 0,

@@ -10,20 +10,20 @@ fn with_frame(from: &Path, to: &Path, kind: FrameKind, body: &[u8]) {
     let _ = std::fs::remove_file(to);
     let (header, mut frames) = thenar_record::open(from).unwrap();
     let recorder = Recorder::create(to, &header).unwrap();
-    let mut tape = recorder.session();
+    let mut writer = recorder.session();
     let mut steps = 0;
     while let Some(frame) = frames.next().unwrap() {
         let own = frame.kind.unwrap();
         steps += u32::from(own == FrameKind::Step);
         if own == FrameKind::Step && steps == 10 {
             // Of the time of the frame before, as what entered after nine steps.
-            tape.big_frame(kind, frame.time_ns - 2_000_000, |out| out.extend(body));
+            writer.big_frame(kind, frame.time_ns - 2_000_000, |out| out.extend(body));
         }
         if own != FrameKind::End {
-            tape.big_frame(own, frame.time_ns, |out| out.extend(frame.body));
+            writer.big_frame(own, frame.time_ns, |out| out.extend(frame.body));
         }
     }
-    drop(tape);
+    drop(writer);
     recorder.finish().unwrap();
 }
 

@@ -59,7 +59,7 @@ impl Coarse {
         }
         let mut lists: Vec<Vec<u32>> = vec![Vec::new(); nodes];
         let mut second = Vec::with_capacity(carried.len());
-        for &CarriedNode { node, bones, carriers, .. } in carried {
+        for &CarriedNode { node, bones, bone_count, .. } in carried {
             let list = &mut lists[node as usize];
             let Some(group) = group_of_node[node as usize] else {
                 second.push(Vec::new());
@@ -67,7 +67,7 @@ impl Coarse {
             };
             let start = bodies.groups()[group as usize].start as u32;
             list.extend(bodies.path(bones[0] as usize).iter().map(|d| d - start));
-            let other = if carriers == 2 { bodies.path(bones[1] as usize) } else { &[] };
+            let other = if bone_count == 2 { bodies.path(bones[1] as usize) } else { &[] };
             let place = other.iter().map(|d| {
                 let at = list.iter().position(|e| *e == d - start).unwrap_or_else(|| {
                     list.push(d - start);
@@ -196,7 +196,7 @@ impl Coarse {
             let start = self.skin_start[c.node as usize];
             let entries = &mut self.skin[start..self.skin_start[c.node as usize + 1]];
             entries.fill(Vec3::zeros());
-            for j in 0..c.carriers as usize {
+            for j in 0..c.bone_count as usize {
                 for (k, (_, column)) in system.bodies.columns(c.bones[j] as usize).enumerate() {
                     let lin = Vec3::new(column[0], column[1], column[2]);
                     let ang = Vec3::new(column[3], column[4], column[5]);

@@ -29,7 +29,7 @@ struct Slot {
 #[derive(Clone, Debug)]
 pub struct Condensed {
     /// Carried node and carrier of each block of J.
-    carriers: Vec<(u32, u8)>,
+    levers: Vec<(u32, u8)>,
     /// Jacobian J of the contacts.
     J: Vec<[Lane; 3]>,
     slots: Vec<Slot>,
@@ -62,11 +62,11 @@ impl Condensed {
         let moves = |b: u32| bodies.group_of_body(b as usize).is_some();
         let nodes = pattern.rows() - row0;
         let mut of_node: Vec<Vec<(u32, u32)>> = vec![Vec::new(); nodes];
-        let mut carriers = Vec::new();
+        let mut levers = Vec::new();
         for (k, c) in carried.iter().enumerate() {
-            for j in (0..c.carriers).filter(|&j| moves(c.bones[j as usize])) {
-                of_node[c.node as usize].push((c.bones[j as usize], carriers.len() as u32));
-                carriers.push((k as u32, j));
+            for j in (0..c.bone_count).filter(|&j| moves(c.bones[j as usize])) {
+                of_node[c.node as usize].push((c.bones[j as usize], levers.len() as u32));
+                levers.push((k as u32, j));
             }
         }
 
@@ -142,10 +142,10 @@ impl Condensed {
             columns_start.push(columns_start[b] + bodies.path(b).len().div_ceil(8));
         }
         Self {
-            J: vec![[[0.0; 8]; 3]; carriers.len()],
+            J: vec![[[0.0; 8]; 3]; levers.len()],
             K: vec![[[0.0; 8]; 6]; pairs.len()],
             columns: vec![[[0.0; 8]; 6]; columns_start[bodies.bodies()]],
-            carriers,
+            levers,
             slots,
             terms,
             targets,
@@ -158,7 +158,7 @@ impl Condensed {
 
     /// Takes over where nodes and bones are.
     pub fn refresh(&mut self, system: &System<'_>) {
-        for (J, &(k, j)) in self.J.iter_mut().zip(&self.carriers) {
+        for (J, &(k, j)) in self.J.iter_mut().zip(&self.levers) {
             let c = &system.carried[k as usize];
             *J = motion_of(c, j as usize);
             for axis in (0..3).filter(|&axis| c.held[axis]) {
@@ -230,7 +230,7 @@ impl Condensed {
         for &([e, f], p, k) in &self.held {
             let c = &system.carried[k as usize];
             let whole = |e: u32| {
-                let j = self.carriers[e as usize].1 as usize;
+                let j = self.levers[e as usize].1 as usize;
                 motion_of(c, j)
             };
             let (a, b) = (whole(e), whole(f));

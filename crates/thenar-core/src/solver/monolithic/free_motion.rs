@@ -2,8 +2,10 @@
 
 use crate::math::Vec3;
 use crate::model::{Cone, SolverSettings};
-use crate::solver::monolithic::pcg::{self, Solved};
-use crate::solver::monolithic::{Accuracy, Coordinates, Monolithic, Ready, StepSystem, system};
+use crate::solver::monolithic::pcg::{self, PcgOutcome};
+use crate::solver::monolithic::{
+    Accuracy, Coordinates, Monolithic, Preconditioner, StepSystem, system,
+};
 use crate::solver::{Failure, JointBlock};
 
 /// Times that joint limits are let go or held and the step is solved again without contact.
@@ -53,7 +55,7 @@ impl Monolithic {
         before: LastContact,
         accuracy: &Accuracy,
         v: &mut [Vec3],
-    ) -> Result<Solved, Failure> {
+    ) -> Result<PcgOutcome, Failure> {
         debug_assert_eq!(v.len(), step.A.rows(), "velocities, block rows");
         debug_assert!(h > 0.0 && h.is_finite(), "a time step of {h} s");
         debug_assert!(accuracy.velocity > 0.0, "an accuracy of {} m/s", accuracy.velocity);
@@ -61,8 +63,8 @@ impl Monolithic {
         let looks = self.all_is_bound && before == LastContact::Rested;
         self.prepare(step, joints, (v, h), touches && !looks)?;
         let scale = self.start(step, touches, v);
-        let mut solved = Solved::default();
-        if self.ready == Ready::Jacobi {
+        let mut solved = PcgOutcome::default();
+        if self.ready == Preconditioner::Jacobi {
             solved = if touches {
                 self.iterate_on(step, true, accuracy, scale)
             } else {
@@ -73,7 +75,7 @@ impl Monolithic {
             }
         }
         let done = solved.iterations;
-        if self.ready == Ready::Direct {
+        if self.ready == Preconditioner::Direct {
             solved = self.iterate_with_factor(step, accuracy, scale);
             solved.iterations += done;
         } else if !solved.converged {
@@ -96,7 +98,7 @@ impl Monolithic {
         (v, h): (&[Vec3], f64),
         factor: bool,
     ) -> Result<(), Failure> {
-        (self.ready, self.left) = (Ready::Nothing, None);
+        (self.ready, self.left) = (Preconditioner::Nothing, None);
         for c in &self.carried {
             self.springs[c.node as usize] = c.spring;
         }
@@ -107,9 +109,9 @@ impl Monolithic {
         let system = system(step, bodies, carried, springs, split);
         coarse.refresh(&system, factor);
         if factor && direct.refresh(&system, coarse) {
-            *ready = Ready::Direct;
+            *ready = Preconditioner::Direct;
         } else if jacobi.refresh(&system, coarse) {
-            *ready = Ready::Jacobi;
+            *ready = Preconditioner::Jacobi;
         } else {
             return Err(Failure::NotPositiveDefinite);
         }
@@ -122,7 +124,7 @@ impl Monolithic {
             self;
         let system = system(step, bodies, carried, springs, split);
         system.coordinates(v, x, &mut work.v);
-        if *ready == Ready::Jacobi && !touches {
+        if *ready == Preconditioner::Jacobi && !touches {
             held.guess();
             held.hold(&system, coarse, jacobi, x);
         } else {
@@ -139,18 +141,19 @@ impl Monolithic {
         step: &StepSystem<'_>,
         accuracy: &Accuracy,
         scale: f64,
-    ) -> Solved {
+    ) -> PcgOutcome {
         let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
         let Self { bodies, carried, springs, split, coarse, jacobi, x, held, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
-        let mut solved = Solved::default();
+        let mut solved = PcgOutcome::default();
         for revision in 0.. {
             let apply = |r: &Coordinates, z: &mut Coordinates| {
                 jacobi.apply(&system, coarse, r, z);
                 held.project(z);
             };
             let most = worth - solved.iterations;
-            let stop = pcg::Stop { scale, gives_up: true, ..accuracy.stop(WINDOW, most) };
+            let stop =
+                pcg::StoppingCriteria { scale, gives_up: true, ..accuracy.stop(WINDOW, most) };
             let before = solved.iterations;
             solved = pcg::solve(&system, apply, x, stop, work);
             solved.iterations += before;
@@ -178,7 +181,7 @@ impl Monolithic {
         coarse.complete(&system);
         held.release();
         if direct.refresh(&system, coarse) {
-            *ready = Ready::Direct;
+            *ready = Preconditioner::Direct;
             system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
         }
     }
@@ -188,11 +191,11 @@ impl Monolithic {
         step: &StepSystem<'_>,
         accuracy: &Accuracy,
         scale: f64,
-    ) -> Solved {
+    ) -> PcgOutcome {
         let Self { bodies, carried, springs, split, coarse, direct, x, work, left, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
-        let stop = pcg::Stop { scale, ..accuracy.stop(1, accuracy.iterations_max) };
+        let stop = pcg::StoppingCriteria { scale, ..accuracy.stop(1, accuracy.iterations_max) };
         let solved = pcg::solve(&system, apply, x, stop, work);
         *left = solved.left;
         solved
@@ -206,13 +209,13 @@ impl Monolithic {
         gives_up: bool,
         accuracy: &Accuracy,
         scale: f64,
-    ) -> Solved {
+    ) -> PcgOutcome {
         let most = accuracy.iterations_max;
         let most = if gives_up { self.iterations_worth_a_factor.min(most) } else { most };
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
-        let stop = pcg::Stop { scale, gives_up, ..accuracy.stop(WINDOW, most) };
+        let stop = pcg::StoppingCriteria { scale, gives_up, ..accuracy.stop(WINDOW, most) };
         pcg::solve(&system, apply, x, stop, work)
     }
 }

@@ -12,8 +12,8 @@
 //! Which bounds are held is guessed from the step before; those that pull are let go, those that
 //! would be passed are added, until `0 ≤ λ ⊥ J v - wanted ≥ 0` for all of them (an active set).
 
+use crate::capacity_vec::CapacityVec;
 use crate::math::Vec3;
-use crate::room::Room;
 use crate::solver::TURN_LEVER;
 use crate::solver::monolithic::coarse::Coarse;
 use crate::solver::monolithic::jacobi::BlockJacobi;
@@ -42,10 +42,10 @@ pub struct Bound {
 #[derive(Clone, Debug)]
 pub struct HeldBounds {
     /// All bounds of this step.
-    pub bounds: Room<Bound>,
+    pub bounds: CapacityVec<Bound>,
     freedoms: usize,
     /// Bounds that are held, by their places in `bounds`.
-    members: Room<u32>,
+    members: CapacityVec<u32>,
     /// A and H: a row of all freedoms for each of them.
     rows: Vec<f64>,
     answers: Vec<f64>,
@@ -61,9 +61,9 @@ impl HeldBounds {
         // Of the two bounds of an axis one is held at a time.
         let most = bounds.div_ceil(2);
         Self {
-            bounds: Room::with_capacity(bounds),
+            bounds: CapacityVec::with_capacity(bounds),
             freedoms,
-            members: Room::with_capacity(most),
+            members: CapacityVec::with_capacity(most),
             rows: vec![0.0; most * freedoms],
             answers: vec![0.0; most * freedoms],
             gram: vec![0.0; most * most],

@@ -4,7 +4,7 @@
 //! of it seems to press. Few do once the others hold it. So those that pressed before start, then
 //! those that close the fastest, a few at a time, until the true velocities close no gap.
 
-use crate::room::Room;
+use crate::capacity_vec::CapacityVec;
 use crate::solver::{ContactRow, ContactRows};
 
 /// So few contacts are not sorted out: all enter at once.
@@ -14,18 +14,18 @@ const JOIN_MAX: usize = 64;
 
 /// The contacts that wait, and which places are taken.
 #[derive(Clone, Debug, Default)]
-pub struct Joining {
+pub struct JoinQueue {
     /// Closing speed of each \[m/s\], and its row.
-    waiting: Room<(f64, u32)>,
+    waiting: CapacityVec<(f64, u32)>,
     /// Per node, the last round in which a contact that leans mostly on it entered.
     taken: Vec<u32>,
     round: u32,
 }
 
-impl Joining {
+impl JoinQueue {
     /// Room for this many contacts on this many nodes.
     pub fn new(contacts: usize, nodes: usize) -> Self {
-        Self { waiting: Room::with_capacity(contacts), taken: vec![0; nodes], round: 0 }
+        Self { waiting: CapacityVec::with_capacity(contacts), taken: vec![0; nodes], round: 0 }
     }
 
     /// Nobody waits.

@@ -59,7 +59,7 @@ impl Columns {
 
 /// A joint that closes a loop.
 #[derive(Clone, Copy, Debug)]
-pub struct Cut {
+pub struct CutJoint {
     /// Number of the joint.
     pub joint: usize,
     /// Bodies of the joint, moving or not.
@@ -68,10 +68,10 @@ pub struct Cut {
 
 /// One group's loops.
 #[derive(Clone, Debug)]
-struct Closed {
+struct LoopGroup {
     dofs: Range<usize>,
     bodies: Vec<usize>,
-    cuts: Vec<Cut>,
+    cuts: Vec<CutJoint>,
     /// L, row by row, and c.
     rows: Vec<f64>,
     /// Longest row had its two ends' parts not cancelled.
@@ -91,13 +91,13 @@ struct Closed {
 pub struct Loops {
     /// Z P.
     pub columns: Columns,
-    closed: Vec<Closed>,
+    closed: Vec<LoopGroup>,
 }
 
 impl Loops {
     /// Plans them: each group's freedoms, bodies and cut joints. Bodies of groups with cuts are
     /// moved by all freedoms of the group, others by those of `tree`.
-    pub fn new(tree: &Columns, groups: Vec<(Range<usize>, Vec<usize>, Vec<Cut>)>) -> Self {
+    pub fn new(tree: &Columns, groups: Vec<(Range<usize>, Vec<usize>, Vec<CutJoint>)>) -> Self {
         let bodies = tree.first.len() - 1;
         let mut paths: Vec<Vec<u32>> =
             (0..bodies).map(|b| tree.dofs[tree.range(b)].to_vec()).collect();
@@ -107,7 +107,7 @@ impl Loops {
                 paths[b] = dofs.clone().map(|d| d as u32).collect();
             }
             let (n, m) = (dofs.len(), 6 * cuts.len());
-            closed.push(Closed {
+            closed.push(LoopGroup {
                 rows: vec![0.0; n * m],
                 longest: 0.0,
                 asked: vec![0.0; m],
@@ -190,7 +190,7 @@ impl Loops {
     }
 }
 
-impl Closed {
+impl LoopGroup {
     fn basis(&self) -> impl Iterator<Item = &[f64]> {
         self.basis.chunks_exact(self.dofs.len().max(1)).take(self.rank)
     }

@@ -36,8 +36,8 @@ mod loops;
 mod minimum_degree;
 mod ordering;
 mod pcg;
-mod publish;
 mod push_out;
+mod reduced;
 mod reduction;
 mod relative;
 mod respond;
@@ -49,12 +49,12 @@ mod wide_cholesky;
 
 pub use free_motion::LastContact;
 pub use held::Bound;
-pub use publish::Answer;
+pub use reduced::ReducedCompliance;
 pub use reduction::Reduction;
 pub use relative::{CarriedNode, Coordinates, System};
 
+use crate::capacity_vec::CapacityVec;
 use crate::math::Vec3;
-use crate::room::Room;
 use crate::solver::{BlockMatrix, Islands, JointBlock};
 use coarse::Coarse;
 use delassus::Delassus;
@@ -62,7 +62,7 @@ use direct::Direct;
 use factor::Factor;
 use held::HeldBounds;
 use jacobi::BlockJacobi;
-use pcg::Stop;
+use pcg::StoppingCriteria;
 use symbolic::Symbolic;
 
 /// Inputs from which the solver is built.
@@ -94,7 +94,7 @@ pub struct Plan<'a> {
 pub const PRESSING_MAX: usize = 512;
 /// Preconditioner that the next solves use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Ready {
+enum Preconditioner {
     Nothing,
     Jacobi,
     Direct,
@@ -111,7 +111,7 @@ pub struct Monolithic {
     coarse: Coarse,
     jacobi: BlockJacobi,
     direct: Direct,
-    ready: Ready,
+    ready: Preconditioner,
     /// The contacts of this step kept their impulses, and nothing knows their compliance.
     kept: bool,
     /// The largest part of an error's energy that an iteration with the factor of this step has
@@ -126,7 +126,7 @@ pub struct Monolithic {
     held: HeldBounds,
     delassus: Delassus,
     /// One column of the response that touch reads.
-    pulled: Room<f64>,
+    pulled: CapacityVec<f64>,
     work: pcg::Workspace,
 }
 
@@ -155,9 +155,16 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    fn stop(&self, iterations_min: u32, iterations_max: u32) -> Stop {
+    fn stop(&self, iterations_min: u32, iterations_max: u32) -> StoppingCriteria {
         let tolerance = self.velocity;
-        Stop { tolerance, iterations_min, iterations_max, scale: 0.0, left: None, gives_up: false }
+        StoppingCriteria {
+            tolerance,
+            iterations_min,
+            iterations_max,
+            scale: 0.0,
+            left: None,
+            gives_up: false,
+        }
     }
 }
 
@@ -168,7 +175,7 @@ impl Monolithic {
         let mut together: Vec<Vec<u32>> = vec![Vec::new(); softs];
         for c in plan.carried {
             let soft = plan.soft_of_node[c.node as usize] as usize;
-            together[soft].extend(&c.bones[..c.carriers as usize]);
+            together[soft].extend(&c.bones[..c.bone_count as usize]);
         }
         let bodies = Reduction::new(plan.moves, plan.ends, plan.rows, &together);
         let group_of_soft: Vec<Option<u32>> = together
@@ -203,7 +210,7 @@ impl Monolithic {
             iterations_worth_a_factor: (flops / iteration).clamp(16.0, 400.0) as u32,
             all_is_bound: plan.all_is_bound,
             jacobi: BlockJacobi::new(&coarse, nodes),
-            ready: Ready::Nothing,
+            ready: Preconditioner::Nothing,
             kept: false,
             left: None,
             x: Coordinates::new(bodies.freedoms(), nodes),
@@ -218,7 +225,9 @@ impl Monolithic {
                 &direct,
                 bodies.freedoms(),
             ),
-            pulled: Room::with_capacity(3 * plan.contacts_max.min(PRESSING_MAX) + factor::LANES),
+            pulled: CapacityVec::with_capacity(
+                3 * plan.contacts_max.min(PRESSING_MAX) + factor::LANES,
+            ),
             direct,
             coarse,
             split,
@@ -279,7 +288,7 @@ impl Monolithic {
     /// of all velocities `s x`, `0 ≤ s ≤ 1`, that with the least is taken. Then `xᵀ K x ≤ xᵀ g`,
     /// which is the balance of energy of a backward Euler step: contacts and errors can take energy
     /// out, not bring it in.
-    pub fn calm(&mut self, step: &StepSystem<'_>, islands: &mut Islands, v: &mut [Vec3]) {
+    pub fn limit_energy(&mut self, step: &StepSystem<'_>, islands: &mut Islands, v: &mut [Vec3]) {
         debug_assert_eq!(v.len(), step.A.rows(), "velocities, block rows");
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);

@@ -43,7 +43,7 @@ const PATIENCE: u32 = 30;
 
 /// Outcome of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Solved {
+pub struct PcgOutcome {
     /// Iterations done.
     pub iterations: u32,
     /// Estimated largest velocity error \[m/s\]; not a number when the system holds one that is not
@@ -88,7 +88,7 @@ impl Workspace {
 
 /// Stopping rules of the iteration.
 #[derive(Clone, Copy, Debug)]
-pub struct Stop {
+pub struct StoppingCriteria {
     /// Largest velocity error \[m/s\].
     pub tolerance: f64,
     /// Fewest iterations: a weak preconditioner may seem to converge at first.
@@ -105,7 +105,7 @@ pub struct Stop {
     pub gives_up: bool,
 }
 
-impl Stop {
+impl StoppingCriteria {
     /// True when an error that has come down from its largest to this will probably not meet the
     /// tolerance in time.
     fn is_hopeless(&self, iterations: u32, largest: f64, error: f64) -> bool {
@@ -121,9 +121,9 @@ pub fn solve(
     system: &System<'_>,
     mut precondition: impl FnMut(&Coordinates, &mut Coordinates),
     x: &mut Coordinates,
-    stop: Stop,
+    stop: StoppingCriteria,
     work: &mut Workspace,
-) -> Solved {
+) -> PcgOutcome {
     debug_assert_eq!(x.u.len(), work.r.u.len(), "freedoms of bodies, of their residual");
     debug_assert_eq!(x.w.len(), work.r.w.len(), "nodes, of their residual");
     debug_assert!(stop.tolerance > 0.0, "a tolerance of {} m/s, not above 0", stop.tolerance);
@@ -137,7 +137,7 @@ pub fn solve(
     let mut drop_before = f64::INFINITY;
     let mut scale = stop.scale;
     let mut largest = stop.tolerance;
-    let mut solved = Solved { iterations: 0, error: 0.0, converged: true, left: stop.left };
+    let mut solved = PcgOutcome { iterations: 0, error: 0.0, converged: true, left: stop.left };
     // A residual that has come down to round-off cannot come down further.
     while rz > ROUND_OFF * ROUND_OFF * first || (solved.iterations == 0 && rz > 0.0) {
         system.product(p, q, v, f);
@@ -159,7 +159,7 @@ pub fn solve(
             let rate = (LEFT_SAFETY * left).clamp(RATE_MIN, RATE_MAX);
             let error = SAFETY * moved * (rate / (1.0 - rate)).sqrt();
             if error <= stop.tolerance {
-                return Solved { iterations: solved.iterations + 1, error, ..solved };
+                return PcgOutcome { iterations: solved.iterations + 1, error, ..solved };
             }
         }
         precondition(r, z);
@@ -187,7 +187,7 @@ pub fn solve(
         }
         // `max` leaves out what is not a number: the step itself must be one.
         if !(moved.is_finite() && solved.error.is_finite()) {
-            return Solved { error: f64::NAN, converged: false, ..solved };
+            return PcgOutcome { error: f64::NAN, converged: false, ..solved };
         }
         // Where the decreases hardly shrink (a slender bar at rest) they tell nothing of their sum.
         let enough = solved.error <= stop.tolerance && slowest < RATE_MAX;
@@ -196,13 +196,13 @@ pub fn solve(
         }
         let ran_out = solved.iterations >= stop.iterations_max || waited > PATIENCE;
         if ran_out || stop.is_hopeless(solved.iterations, largest, solved.error) {
-            return Solved { converged: false, ..solved };
+            return PcgOutcome { converged: false, ..solved };
         }
         p.renew(beta, z);
         rz = rz_new;
     }
     if !rz.is_finite() {
-        return Solved { error: f64::NAN, converged: false, ..solved };
+        return PcgOutcome { error: f64::NAN, converged: false, ..solved };
     }
     solved.converged = rz >= 0.0;
     solved.error = solved.error.min(ROUND_OFF * scale);
@@ -223,9 +223,9 @@ pub fn largest_speed(v: &[Vec3], bodies: usize) -> f64 {
 mod tests {
     use super::*;
 
-    fn stop(iterations_max: u32) -> Stop {
+    fn stop(iterations_max: u32) -> StoppingCriteria {
         let tolerance = 1e-5;
-        Stop {
+        StoppingCriteria {
             tolerance,
             iterations_min: 1,
             iterations_max,
@@ -237,7 +237,7 @@ mod tests {
 
     /// Iterations after which a solve is given up whose error falls from 10⁻² by `decades` decades
     /// in each, after a tenth of the iterations in which it does not.
-    fn given_up(stop: &Stop, decades: f64) -> Option<u32> {
+    fn given_up(stop: &StoppingCriteria, decades: f64) -> Option<u32> {
         let rises = stop.iterations_max / 10;
         (1..=stop.iterations_max).find(|&k| {
             let error = 1e-2 * 10_f64.powf(-decades * f64::from(k.saturating_sub(rises)));
@@ -252,7 +252,7 @@ mod tests {
             assert_eq!(given_up(&stop(most), in_time), None, "{most}");
             let early = given_up(&stop(most), 0.5 * in_time).expect("half as fast");
             assert!(f64::from(early) <= 0.41 * f64::from(most) + 1.0, "{early} of {most}");
-            assert_eq!(given_up(&Stop { gives_up: false, ..stop(most) }, 0.0), None);
+            assert_eq!(given_up(&StoppingCriteria { gives_up: false, ..stop(most) }, 0.0), None);
         }
         // Nothing that meets the tolerance is hopeless, whatever the iterations.
         assert!(!stop(10).is_hopeless(9, 1e-5, 1e-5) && !stop(10).is_hopeless(10, 1e-2, 0.9e-5));

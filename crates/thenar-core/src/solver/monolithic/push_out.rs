@@ -4,7 +4,7 @@ use crate::math::Vec3;
 use crate::model::Cone;
 use crate::solver::monolithic::delassus::NextPass;
 use crate::solver::monolithic::{Accuracy, Monolithic, StepSystem};
-use crate::solver::{ContactRows, Failure, Wish};
+use crate::solver::{ContactRows, Failure, PushTarget};
 
 /// Rounds in which contacts join that the push would close, or W is corrected.
 const ROUNDS_MAX: u32 = 6;
@@ -20,7 +20,7 @@ impl Monolithic {
         &mut self,
         step: &StepSystem<'_>,
         contacts: &mut ContactRows,
-        wishes: &[Wish],
+        wishes: &[PushTarget],
         accuracy: &Accuracy,
         push: &mut [Vec3],
     ) -> Result<(), Failure> {

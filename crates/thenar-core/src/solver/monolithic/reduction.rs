@@ -14,7 +14,7 @@
 //! out of this and dealt with in `loops`.
 
 use crate::math::{Mat3, Vec3, Vec6, tangents};
-use crate::solver::monolithic::loops::{Columns, Cut, Loops};
+use crate::solver::monolithic::loops::{Columns, CutJoint, Loops};
 use crate::solver::tree::{Link, Spanning, spanning};
 use crate::solver::{BlockMatrix, JointBlock};
 use fearless_simd::{Simd, f64x8, prelude::*};
@@ -72,8 +72,8 @@ impl Reduction {
         let real_ends: Vec<_> = real.iter().map(|&j| ends[j]).collect();
         let Spanning { mut links, cuts } = spanning(moves, &real_ends);
         links.iter_mut().for_each(|link| link.joint = link.joint.map(|j| real[j]));
-        let cuts: Vec<Cut> =
-            cuts.iter().map(|&j| Cut { joint: real[j], ends: real_ends[j] }).collect();
+        let cuts: Vec<CutJoint> =
+            cuts.iter().map(|&j| CutJoint { joint: real[j], ends: real_ends[j] }).collect();
 
         // Bodies of one tree, or of trees that share flesh, make a group.
         let mut leader: Vec<usize> = (0..moves.len()).collect();
@@ -148,8 +148,8 @@ impl Reduction {
         reduction
     }
 
-    fn plan_loops(&self, cuts: &[Cut]) -> Loops {
-        let group_of = |cut: &Cut| {
+    fn plan_loops(&self, cuts: &[CutJoint]) -> Loops {
+        let group_of = |cut: &CutJoint| {
             let ends = [cut.ends.0, Some(cut.ends.1)];
             ends.into_iter().flatten().find_map(|b| self.group_of_body[b as usize])
         };

@@ -19,7 +19,7 @@ pub struct CarriedNode {
     /// Bones and how many of them count.
     pub bones: [u32; 2],
     /// 1 or 2.
-    pub carriers: u8,
+    pub bone_count: u8,
     /// Axes along which the node is held: there its velocity is given in the world, w is that
     /// velocity itself, and the spring ties the bones to the world.
     pub held: [bool; 3],
@@ -49,7 +49,7 @@ impl CarriedNode {
     #[inline(always)]
     pub fn follow(&self, v: &[Vec3]) -> Vec3 {
         let mut moved = Vec3::zeros();
-        for j in 0..self.carriers as usize {
+        for j in 0..self.bone_count as usize {
             let b = 2 * self.bones[j] as usize;
             moved += v[b] * self.weights[j] + v[b + 1].cross(&self.turning.levers[j]);
         }
@@ -63,7 +63,7 @@ impl CarriedNode {
     /// `f_s += Jᵀ f`.
     #[inline]
     pub fn pull(&self, impulse: &Vec3, f: &mut [Vec3]) {
-        for j in 0..self.carriers as usize {
+        for j in 0..self.bone_count as usize {
             let b = 2 * self.bones[j] as usize;
             f[b] += impulse * self.weights[j];
             f[b + 1] += self.turning.torque(j, impulse);
@@ -211,16 +211,16 @@ impl System<'_> {
     fn gather_lanes<S: Simd>(&self, simd: S, f: &mut [Vec3], r: &mut Coordinates) {
         let (bones, nodes) = f.split_at_mut(self.row0());
         // What bones get from a run of nodes that the same bones carry.
-        let (mut carriers, mut sums) = ((u32::MAX, u32::MAX), [Vec3::zeros(); 4]);
+        let (mut pair, mut sums) = ((u32::MAX, u32::MAX), [Vec3::zeros(); 4]);
         for c in self.carried {
-            let next = (c.bones[0], if c.carriers == 2 { c.bones[1] } else { u32::MAX });
-            if next != carriers {
-                hand_over(carriers, &mut sums, bones);
-                carriers = next;
+            let next = (c.bones[0], if c.bone_count == 2 { c.bones[1] } else { u32::MAX });
+            if next != pair {
+                hand_over(pair, &mut sums, bones);
+                pair = next;
             }
             let at = &nodes[c.node as usize];
             let impulse = if c.is_held() { c.free(at) } else { *at };
-            for j in 0..2.min(c.carriers as usize) {
+            for j in 0..2.min(c.bone_count as usize) {
                 sums[2 * j] += impulse * c.weights[j];
                 sums[2 * j + 1] += c.turning.levers[j].cross(&impulse);
             }
@@ -230,7 +230,7 @@ impl System<'_> {
                 sums[3] -= torque;
             }
         }
-        hand_over(carriers, &mut sums, bones);
+        hand_over(pair, &mut sums, bones);
         r.w.copy_from_slice(nodes);
         self.bodies.gather(simd, bones, &mut r.u);
     }
@@ -311,8 +311,8 @@ impl System<'_> {
 /// Adds to the bones what was gathered for them (force and torque of the first, then of the second)
 /// and begins anew.
 #[inline(always)]
-fn hand_over(carriers: (u32, u32), sums: &mut [Vec3; 4], bones: &mut [Vec3]) {
-    for (j, bone) in [carriers.0, carriers.1].into_iter().enumerate() {
+fn hand_over(bone_count: (u32, u32), sums: &mut [Vec3; 4], bones: &mut [Vec3]) {
+    for (j, bone) in [bone_count.0, bone_count.1].into_iter().enumerate() {
         if bone != u32::MAX {
             bones[2 * bone as usize] += sums[2 * j];
             bones[2 * bone as usize + 1] += sums[2 * j + 1];

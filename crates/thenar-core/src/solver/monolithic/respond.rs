@@ -3,10 +3,10 @@
 use crate::math::Vec3;
 use crate::model::Cone;
 use crate::solver::monolithic::decay::SAFETY;
-use crate::solver::monolithic::delassus::{NextPass, Swept, Verdict, within};
+use crate::solver::monolithic::delassus::{NextPass, SweepOutcome, Verdict, within};
 use crate::solver::monolithic::free_motion::WINDOW;
 use crate::solver::monolithic::{
-    Accuracy, Coordinates, Monolithic, PRESSING_MAX, Ready, StepSystem, pcg, system,
+    Accuracy, Coordinates, Monolithic, PRESSING_MAX, Preconditioner, StepSystem, pcg, system,
 };
 use crate::solver::{ContactRow, ContactRows, Convergence, Failure};
 
@@ -52,7 +52,7 @@ impl Monolithic {
         // What the impulses of the step before truly do tells best what presses.
         let error = self.follow(step, contacts, accuracy, change)?;
         self.delassus.measure(contacts, change);
-        if self.ready == Ready::Jacobi {
+        if self.ready == Preconditioner::Jacobi {
             // Impulses that obey the law as they are need no compliance.
             let residual = SAFETY * self.delassus.strays(contacts, cone) + error;
             if residual <= accuracy.velocity {
@@ -67,7 +67,8 @@ impl Monolithic {
         let mut rounds = Rounds::default();
         let mut ran_out = false;
         loop {
-            let Swept { found, settled } = self.sweep(step, contacts, cone, ran_out, accuracy);
+            let SweepOutcome { found, settled } =
+                self.sweep(step, contacts, cone, ran_out, accuracy);
             ran_out = !settled;
             total.iterations += found.iterations;
             self.follow(step, contacts, accuracy, change)?;
@@ -85,10 +86,10 @@ impl Monolithic {
         let Self { bodies, carried, springs, split, coarse, direct, ready, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         coarse.complete(&system);
-        if *ready != Ready::Direct && !direct.refresh(&system, coarse) {
+        if *ready != Preconditioner::Direct && !direct.refresh(&system, coarse) {
             return Err(Failure::NotPositiveDefinite);
         }
-        *ready = Ready::Direct;
+        *ready = Preconditioner::Direct;
         Ok(())
     }
 
@@ -102,7 +103,7 @@ impl Monolithic {
     ) {
         let Self { bodies, carried, springs, split, ready, x, delassus, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
-        if *ready == Ready::Jacobi {
+        if *ready == Preconditioner::Jacobi {
             // They may stay as they are: normals have turned since.
             let rows = contacts.rows.iter_mut().filter(|row| !row.turns);
             rows.for_each(|row| row.lambda = within(cone, row.friction, &row.lambda));
@@ -130,8 +131,8 @@ impl Monolithic {
         if !self.load_more(step, contacts) {
             return Ok(0.0);
         }
-        let mut solved = pcg::Solved::default();
-        if self.ready != Ready::Direct {
+        let mut solved = pcg::PcgOutcome::default();
+        if self.ready != Preconditioner::Direct {
             solved = self.follow_with_diagonal(step, accuracy, true);
             if !solved.converged && self.factor_if_needed(step).is_err() {
                 // Single precision is not enough for this matrix, and there is nothing else.
@@ -141,7 +142,7 @@ impl Monolithic {
                 }
             }
         }
-        if self.ready == Ready::Direct {
+        if self.ready == Preconditioner::Direct {
             solved = self.follow_with_factor(step, accuracy);
         }
         if !solved.converged && !accuracy.best_effort {
@@ -165,24 +166,31 @@ impl Monolithic {
         step: &StepSystem<'_>,
         accuracy: &Accuracy,
         gives_up: bool,
-    ) -> pcg::Solved {
+    ) -> pcg::PcgOutcome {
         let most = accuracy.iterations_max;
         let most = if gives_up { self.iterations_worth_a_factor.min(most) } else { most };
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
         let tolerance = FOLLOWED_TO * accuracy.velocity;
-        let stop = pcg::Stop { tolerance, gives_up, ..accuracy.stop(WINDOW, most) };
+        let stop = pcg::StoppingCriteria { tolerance, gives_up, ..accuracy.stop(WINDOW, most) };
         pcg::solve(&system, apply, x, stop, work)
     }
 
-    fn follow_with_factor(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy) -> pcg::Solved {
+    fn follow_with_factor(
+        &mut self,
+        step: &StepSystem<'_>,
+        accuracy: &Accuracy,
+    ) -> pcg::PcgOutcome {
         let Self { bodies, carried, springs, split, coarse, direct, x, work, left, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
         let tolerance = FOLLOWED_TO * accuracy.velocity;
-        let stop =
-            pcg::Stop { tolerance, left: *left, ..accuracy.stop(1, accuracy.iterations_max) };
+        let stop = pcg::StoppingCriteria {
+            tolerance,
+            left: *left,
+            ..accuracy.stop(1, accuracy.iterations_max)
+        };
         let solved = pcg::solve(&system, apply, x, stop, work);
         *left = solved.left;
         solved
@@ -196,7 +204,7 @@ impl Monolithic {
         cone: Cone,
         ran_out: bool,
         accuracy: &Accuracy,
-    ) -> Swept {
+    ) -> SweepOutcome {
         let Self { bodies, carried, springs, split, coarse, direct, delassus, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         delassus.extend(&system, coarse, direct, contacts);

@@ -3,7 +3,7 @@
 //! the same halves made as steps of their own, bit by bit; scenes where nothing is to be divided.
 
 use crate::common::body;
-use thenar_core::condensed::{RigidState, SlowToFast};
+use thenar_core::condensed::{BoneFrame, RigidState};
 use thenar_core::model::{Drive, Motion, SolverKind, WorldDesc};
 use thenar_core::shape::Shape;
 use thenar_core::world::{Input, Target};
@@ -192,7 +192,7 @@ fn touch_is_told_forces_of_the_last_part() {
             continue;
         }
         divided += 1;
-        let mut frame = SlowToFast::new(&start, 16);
+        let mut frame = BoneFrame::new(&start, 16);
         assert!(world.condense(2..3, &input, &mut frame));
         for contact in world.contacts().iter().filter(|c| c.force_W.norm() > 1e-6) {
             let told = frame.response.contacts.iter().map(|c| c.force.norm());

@@ -72,15 +72,15 @@ fn moved(up: f64) -> [Vec<Vec3>; 2] {
         input.targets[first + 1] = Some(bent);
     };
     let mut whole = World::new(desc).unwrap();
-    let mut alone = whole.alone(2..4).unwrap();
-    let (mut input, mut own) = (whole.input(), alone.input());
+    let mut sub_world = whole.sub_world(2..4).unwrap();
+    let (mut input, mut own) = (whole.input(), sub_world.input());
     lead(&mut input, 2);
     lead(&mut own, 0);
     for _ in 0..100 {
         whole.step(&input, &mut ());
-        alone.step(1e-3, &own);
+        sub_world.step(1e-3, &own);
     }
-    [whole.nodes(1).to_vec(), alone.world().nodes(0).to_vec()]
+    [whole.nodes(1).to_vec(), sub_world.world().nodes(0).to_vec()]
 }
 
 fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
@@ -89,8 +89,8 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
 
 #[test]
 fn a_finger_taken_out_keeps_its_offsets() {
-    let ([whole, alone], [plain, _]) = (moved(2e-3), moved(0.0));
-    assert!(apart(&whole, &alone) < 1e-8, "{} m", apart(&whole, &alone));
+    let ([whole, sub_world], [plain, _]) = (moved(2e-3), moved(0.0));
+    assert!(apart(&whole, &sub_world) < 1e-8, "{} m", apart(&whole, &sub_world));
     assert!(apart(&whole, &plain) > 1e-4, "the offsets must do something");
 }
 

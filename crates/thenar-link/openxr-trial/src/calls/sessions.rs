@@ -3,7 +3,7 @@
 use super::{SYSTEM, call, given};
 use crate::hand::LOCAL_HEIGHT;
 use crate::script::log;
-use crate::session::{Session, Told, known, violation};
+use crate::session::{RuntimeEvent, Session, known, violation};
 use openxr_sys as xr;
 use xr::{Result as XrResult, SessionState};
 
@@ -51,7 +51,7 @@ pub(super) unsafe extern "system" fn destroy_session(session: xr::Session) -> Xr
             }
             if let Some(instance) = &mut known.instance {
                 instance.session = None;
-                instance.told.retain(|told| !matches!(told, Told::State(_)));
+                instance.told.retain(|told| !matches!(told, RuntimeEvent::State(_)));
             }
             log("session ended");
             XrResult::SUCCESS

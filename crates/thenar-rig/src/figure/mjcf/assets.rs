@@ -1,6 +1,6 @@
 //! Meshes that geoms name.
 
-use super::super::draft::{MeshChange, hint};
+use super::super::link_tree::{MeshChange, hint};
 use super::classes::{Classes, Styled};
 use super::place::quaternion;
 use super::settings::Settings;

@@ -1,6 +1,6 @@
 //! Bodies of the figure.
 
-use super::super::draft::{Body, Link, LinkMass, is_inertia};
+use super::super::link_tree::{Body, Link, LinkMass, is_inertia};
 use super::geom::{self, Role};
 use super::joint::{self, Kind};
 use super::place::pose_of;
@@ -12,7 +12,7 @@ use thenar_core::{Mat3, Pose, Vec3};
 use thenar_input::quoted;
 
 /// A body with what belongs to it, as elements.
-struct Raw<'a> {
+struct BodyElements<'a> {
     name: String,
     parent: Option<usize>,
     pose_PL: Pose,
@@ -32,9 +32,12 @@ pub(super) fn read<'a>(
 }
 
 /// Bodies in the order of the file.
-fn collect<'a>(figure: &Place<'a>, context: &Context<'a>) -> Result<Vec<Raw<'a>>, RigError> {
+fn collect<'a>(
+    figure: &Place<'a>,
+    context: &Context<'a>,
+) -> Result<Vec<BodyElements<'a>>, RigError> {
     let (classes, settings) = (&context.classes, &context.settings);
-    let mut bodies: Vec<Raw<'a>> = Vec::new();
+    let mut bodies: Vec<BodyElements<'a>> = Vec::new();
     let mut taken = BTreeSet::new();
     let mut open = vec![(*figure, None)];
     while let Some((place, owner)) = open.pop() {
@@ -50,7 +53,7 @@ fn collect<'a>(figure: &Place<'a>, context: &Context<'a>) -> Result<Vec<Raw<'a>>
                 let pose_PL = place.pose * pose_of(place.element, settings)?;
                 let contents = Place { pose: Pose::identity(), ..place };
                 let index = bodies.len();
-                bodies.push(Raw {
+                bodies.push(BodyElements {
                     name,
                     parent: owner,
                     pose_PL,
@@ -84,7 +87,7 @@ fn unused(word: &str, from: usize, taken: &BTreeSet<String>) -> String {
 const JOINTS_MAX: usize = 6;
 
 /// The names that joints have in the file.
-fn joint_names(bodies: &[Raw<'_>]) -> Result<BTreeSet<String>, RigError> {
+fn joint_names(bodies: &[BodyElements<'_>]) -> Result<BTreeSet<String>, RigError> {
     let mut names = BTreeSet::new();
     for place in bodies.iter().flat_map(|body| &body.joints) {
         let Some(name) = place.element.name("name")? else { continue };
@@ -96,7 +99,7 @@ fn joint_names(bodies: &[Raw<'_>]) -> Result<BTreeSet<String>, RigError> {
 }
 
 fn link<'a>(
-    body: Raw<'a>,
+    body: BodyElements<'a>,
     names: &mut BTreeSet<String>,
     context: &mut Context<'a>,
 ) -> Result<Link, RigError> {

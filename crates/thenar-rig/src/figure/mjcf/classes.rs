@@ -1,6 +1,6 @@
 //! Default classes: attributes that elements have unless they say otherwise.
 
-use super::super::draft::hint;
+use super::super::link_tree::hint;
 use super::super::xml::Attribute;
 use super::{Element, RigError};
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! Constraints between joints.
 
-use super::super::draft::{Follows, Link, listed};
+use super::super::link_tree::{Follows, Link, listed};
 use super::super::mimic::MIMIC_TERMS;
 use super::{Element, RigError};
 use std::collections::BTreeSet;

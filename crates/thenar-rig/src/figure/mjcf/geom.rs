@@ -1,6 +1,6 @@
 //! Geoms of bodies.
 
-use super::super::draft::{Body, LinkSolid, of_shape, unit, y_to_z};
+use super::super::link_tree::{Body, LinkSolid, of_shape, unit, y_to_z};
 use super::classes::Styled;
 use super::place::{pose_of_styled, z_to};
 use super::world::Place;

@@ -1,6 +1,6 @@
 //! Joints of bodies.
 
-use super::super::draft::{LinkJoint, unit};
+use super::super::link_tree::{LinkJoint, unit};
 use super::classes::Styled;
 use super::world::Place;
 use super::{Context, RigError};

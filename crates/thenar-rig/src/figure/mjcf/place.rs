@@ -1,6 +1,6 @@
 //! Places and turns, in any of the ways in which they may be written.
 
-use super::super::draft::{SHORT, frame_of, unit};
+use super::super::link_tree::{SHORT, frame_of, unit};
 use super::super::xml::Attribute;
 use super::classes::Styled;
 use super::settings::Settings;

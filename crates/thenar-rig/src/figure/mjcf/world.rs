@@ -1,6 +1,6 @@
 //! Choice of the world's body that is the figure.
 
-use super::super::draft::listed;
+use super::super::link_tree::listed;
 use super::classes::Classes;
 use super::place::pose_of;
 use super::settings::Settings;

@@ -1,6 +1,6 @@
 //! Geometry of URDF links.
 
-use super::super::draft::{LinkSolid, MeshChange, Meshes, y_to_z};
+use super::super::link_tree::{LinkSolid, MeshChange, Meshes, y_to_z};
 use super::{Element, RigError, origin};
 use std::path::{Path, PathBuf};
 use thenar_core::shape::Shape;

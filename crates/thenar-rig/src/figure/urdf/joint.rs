@@ -1,6 +1,6 @@
 //! Joints of URDF files.
 
-use super::super::draft::{Link, LinkJoint, unit};
+use super::super::link_tree::{Link, LinkJoint, unit};
 use super::{Element, RigError, origin};
 use thenar_core::Vec3;
 use thenar_core::model::{AngleLimit, Axis, JointKind};

@@ -1,6 +1,6 @@
 //! Links of URDF files.
 
-use super::super::draft::{Body, Link, LinkMass, Meshes, is_inertia};
+use super::super::link_tree::{Body, Link, LinkMass, Meshes, is_inertia};
 use super::{Element, RigError, geometry, origin};
 use std::path::Path;
 use thenar_core::{Mat3, Pose, Vec3};

@@ -1,6 +1,6 @@
 //! Tree of the links of a URDF file.
 
-use super::super::draft::{Follows, hint, listed};
+use super::super::link_tree::{Follows, hint, listed};
 use super::joint::{Joint, Kind};
 use super::{Element, RigError};
 use std::collections::BTreeMap;

@@ -20,7 +20,7 @@ pub(in crate::hand) struct Chain {
 
 /// The joints of a hand.
 #[derive(Clone, Debug)]
-pub(in crate::hand) struct Found {
+pub(in crate::hand) struct RigJoints {
     pub wrist: usize,
     /// Digits, thumb first.
     pub digits: [Chain; 5],
@@ -34,7 +34,7 @@ pub(in crate::hand) struct Found {
 const METACARPAL_REACH: f64 = 0.33;
 
 /// A hand as names tell it, digit by digit.
-pub(in crate::hand) struct Told {
+pub(in crate::hand) struct JointsByName {
     pub wrist: Result<usize, RigError>,
     /// Digits, thumb first.
     pub digits: [Result<Chain, RigError>; 5],
@@ -52,11 +52,11 @@ pub(in crate::hand) fn find(
     joints: &[RigJoint],
     map: &NameMap,
     side: Option<Side>,
-) -> Result<Found, RigError> {
-    let Told { wrist, digits, side, .. } = told(joints, map, side)?;
+) -> Result<RigJoints, RigError> {
+    let JointsByName { wrist, digits, side, .. } = told(joints, map, side)?;
     let wrist = wrist?;
     let [a, b, c, d, e] = digits;
-    Ok(Found { wrist, digits: [a?, b?, c?, d?, e?], side })
+    Ok(RigJoints { wrist, digits: [a?, b?, c?, d?, e?], side })
 }
 
 /// Finds what there is of a hand, and says what is not.
@@ -67,7 +67,7 @@ pub(in crate::hand) fn told(
     joints: &[RigJoint],
     map: &NameMap,
     side: Option<Side>,
-) -> Result<Told, RigError> {
+) -> Result<JointsByName, RigError> {
     check_map(joints, map)?;
     let exact = |webxr: &str| {
         let name = map.get(webxr).map_or(webxr, String::as_str);
@@ -101,7 +101,7 @@ pub(in crate::hand) fn told(
         (0..joints.len()).filter(is).collect()
     };
     let digits = Digit::FINGERS.map(chain);
-    Ok(Told { wrist, digits, of_digit: Digit::FINGERS.map(of), side })
+    Ok(JointsByName { wrist, digits, of_digit: Digit::FINGERS.map(of), side })
 }
 
 /// The sides that the names of a hand's joints say: left, right.

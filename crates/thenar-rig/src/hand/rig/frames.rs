@@ -5,7 +5,7 @@
 //! palm lies through wrist and knuckles, the index's side is the thumb's, and the side of the hand
 //! says which way its back is.
 
-use super::found::Found;
+use super::found::RigJoints;
 use crate::RigError;
 use crate::glb::RigJoint;
 use thenar_core::model::Side;
@@ -35,7 +35,11 @@ pub(in crate::hand) enum Frames {
 impl Frames {
     /// # Errors
     /// The joints do not span a palm, or do not say of which side they are.
-    pub fn new(found: &Found, joints: &[RigJoint], side: Option<Side>) -> Result<Self, RigError> {
+    pub fn new(
+        found: &RigJoints,
+        joints: &[RigJoint],
+        side: Option<Side>,
+    ) -> Result<Self, RigError> {
         if has_own(found, joints) {
             return Ok(Self::Own);
         }
@@ -110,7 +114,7 @@ fn thumb_axis(along: &[Vec3; 3], side: Side) -> Vec3 {
 }
 
 /// True if each moving joint has its -z along its bone, and the wrist towards the middle knuckle.
-fn has_own(found: &Found, joints: &[RigJoint]) -> bool {
+fn has_own(found: &RigJoints, joints: &[RigJoint]) -> bool {
     let agrees = |a: usize, b: usize| {
         let along = joints[b].pose.position - joints[a].pose.position;
         joints[a].pose.vector(&-Vec3::z()).dot(&along) >= ALONG_MIN * along.norm()
@@ -127,7 +131,7 @@ fn has_own(found: &Found, joints: &[RigJoint]) -> bool {
 
 /// True if by the wrist's frame the thumb lies on the palm's side of the knuckles, or not clearly
 /// on any.
-fn thumb_faces_palm(found: &Found, joints: &[RigJoint], wrist: &Pose) -> bool {
+fn thumb_faces_palm(found: &RigJoints, joints: &[RigJoint], wrist: &Pose) -> bool {
     let at = |k: usize| wrist.inverse_point(&joints[k].pose.position);
     let thumb = at(found.digits[0].moving[2]);
     let knuckle = at(found.digits[1].moving[0]);
@@ -136,7 +140,7 @@ fn thumb_faces_palm(found: &Found, joints: &[RigJoint], wrist: &Pose) -> bool {
 
 /// The side that a bend of the digits towards the palm says. The thumb says most: it stands before
 /// the palm.
-fn told_by_bend(found: &Found, joints: &[RigJoint], normal: &Vec3) -> Result<Side, RigError> {
+fn told_by_bend(found: &RigJoints, joints: &[RigJoint], normal: &Vec3) -> Result<Side, RigError> {
     let along = |a: usize, b: usize| {
         let way = joints[b].pose.position - joints[a].pose.position;
         normal.dot(&way) / way.norm()

@@ -8,7 +8,7 @@ mod posed;
 mod tests;
 mod words;
 
-pub(super) use found::{Found, find};
+pub(super) use found::{RigJoints, find};
 pub(super) use frames::Frames;
 pub use list::{ListedJoint, RigListing, rig_listing};
 pub(super) use posed::Posed;

@@ -1,6 +1,6 @@
 //! A rig's joints as WebXR has them, in the wrist's frame M: those that it lacks are made.
 
-use super::{Found, Frames};
+use super::{Frames, RigJoints};
 use crate::RigError;
 use crate::glb::RigJoint;
 use crate::hand::digits::leave;
@@ -18,14 +18,14 @@ const METACARPAL_BASES: [[f64; 2]; 4] = [[0.43, 0.33], [0.43, 0.32], [0.46, 0.32
 /// A rig and how it is read.
 #[derive(Clone, Copy)]
 pub(in crate::hand) struct Posed<'a> {
-    found: &'a Found,
+    found: &'a RigJoints,
     joints: &'a [RigJoint],
     frames: &'a Frames,
     pose_MR: Pose,
 }
 
 impl<'a> Posed<'a> {
-    pub fn new(found: &'a Found, joints: &'a [RigJoint], frames: &'a Frames) -> Self {
+    pub fn new(found: &'a RigJoints, joints: &'a [RigJoint], frames: &'a Frames) -> Self {
         let pose_MR = frames.wrist(&joints[found.wrist].pose).inverse();
         Self { found, joints, frames, pose_MR }
     }

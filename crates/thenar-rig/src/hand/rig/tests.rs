@@ -2,7 +2,7 @@
 //! names that bear on hands, of both sides, among other bones, in an order that says nothing; each
 //! joint must be the one that the tool means.
 
-use super::{Found, find};
+use super::{RigJoints, find};
 use crate::glb::RigJoint;
 use crate::hand::names::NameMap;
 use thenar_core::model::Side;
@@ -36,7 +36,7 @@ impl Tool {
     }
 
     /// Asserts that what was found is what the tool means.
-    fn check(&self, what: &str, found: &Found, joints: &[RigJoint]) {
+    fn check(&self, what: &str, found: &RigJoints, joints: &[RigJoint]) {
         let name = |k: usize| joints[k].name.clone();
         assert_eq!(name(found.wrist), self.wrist, "{what}");
         for (d, chain) in found.digits.iter().enumerate() {

@@ -7,7 +7,7 @@ use thenar_record::{ChannelInfo, Frame, FrameKind, Gap, Record};
 
 /// A frame, understood.
 #[derive(Debug)]
-pub enum Item {
+pub enum DecodedFrame {
     Scene(Box<SceneStart>),
     Input(Box<Input>),
     Step(StepMark),
@@ -18,7 +18,7 @@ pub enum Item {
     Other,
 }
 
-impl Item {
+impl DecodedFrame {
     /// Carries the session's time.
     pub fn is_of_session(&self) -> bool {
         matches!(self, Self::Scene(_) | Self::Input(_) | Self::Step(_) | Self::Keyframe(_))
@@ -54,12 +54,12 @@ impl Item {
 
 impl Replay {
     /// The next frame and its time \[ns\].
-    pub(super) fn read(&mut self) -> Result<Option<(u64, Item)>, ReplayError> {
+    pub(super) fn read(&mut self) -> Result<Option<(u64, DecodedFrame)>, ReplayError> {
         let Some(frame) = self.frames.next()? else {
             self.meet_damage();
             return Ok(None);
         };
-        let (time_ns, item) = (frame.time_ns, Item::of(&frame));
+        let (time_ns, item) = (frame.time_ns, DecodedFrame::of(&frame));
         let item = item.ok_or_else(|| self.nonsense("its body cannot be decoded"))?;
         self.meet_damage();
         Ok(Some((time_ns, item)))

@@ -18,9 +18,9 @@ use super::content::{Keyframe, SceneStart};
 use super::scene;
 use super::verdict::Verdict;
 use crate::session::Session;
-use item::Item;
+use item::DecodedFrame;
 use keyframe::is_forged;
-use pace::Pace;
+use pace::FrameProgress;
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::BufReader;
@@ -42,8 +42,8 @@ pub struct Replay {
     number: u64,
     /// Number and hash of the mark that was read last, if nothing of the session came after it.
     mark: Option<(u64, u64)>,
-    pace: Pace,
-    pending: Option<(u64, Item)>,
+    pace: FrameProgress,
+    pending: Option<(u64, DecodedFrame)>,
     /// To be told before what comes next.
     told: VecDeque<Event>,
     /// Channels that were announced, and how many values their records have.
@@ -62,7 +62,7 @@ impl Replay {
     pub fn open(file: &Path) -> Result<Self, ReplayError> {
         let (header, frames) = thenar_record::open(file)?;
         Ok(Self {
-            pace: Pace::start(header.simulated_time),
+            pace: FrameProgress::start(header.simulated_time),
             header,
             frames,
             session: None,
@@ -145,53 +145,56 @@ impl Replay {
         }
     }
 
-    fn take(&mut self, time_ns: u64, item: Item) -> Result<Option<Event>, ReplayError> {
+    fn take(&mut self, time_ns: u64, item: DecodedFrame) -> Result<Option<Event>, ReplayError> {
         let early = self.begin.is_some_and(|begin| self.frames.offset() < begin);
         let passing = early || self.trust == Trust::Lost;
         let before = match &item {
-            Item::Step(mark) => self.mark.replace((mark.number, mark.hash)),
+            DecodedFrame::Step(mark) => self.mark.replace((mark.number, mark.hash)),
             item if item.is_of_session() => self.mark.take(),
             _ => None,
         };
         match item {
-            Item::Scene(start) => {
+            DecodedFrame::Scene(start) => {
                 let offset = self.frames.place().offset();
                 return self.start(time_ns, offset, &start).map(Some);
             }
-            Item::Channel(info) => {
+            DecodedFrame::Channel(info) => {
                 self.channels.insert(info.id, info.fields.len());
                 return Ok(Some(Event::Channel(info)));
             }
-            Item::Record(..) if early => {}
-            Item::Record(channel, values) if self.channels.get(&channel) != Some(&values.len()) => {
+            DecodedFrame::Record(..) if early => {}
+            DecodedFrame::Record(channel, values)
+                if self.channels.get(&channel) != Some(&values.len()) =>
+            {
                 self.verdict.strays += 1;
             }
-            Item::Record(channel, values) => {
+            DecodedFrame::Record(channel, values) => {
                 return Ok(Some(Event::Record { time_ns, channel, values }));
             }
-            Item::Gap(gap) => {
+            DecodedFrame::Gap(gap) => {
                 self.verdict.gaps.push((time_ns as f64 * 1e-9, gap));
                 return Ok(Some(Event::Gap { time_ns, gap }));
             }
-            Item::Other => {}
+            DecodedFrame::Other => {}
             // What belongs to a scene that is missing.
-            Item::Input(_) | Item::Step(_) | Item::Keyframe(_) if self.is_foreign(&item) => {}
-            Item::Input(input) => {
+            DecodedFrame::Input(_) | DecodedFrame::Step(_) | DecodedFrame::Keyframe(_)
+                if self.is_foreign(&item) => {}
+            DecodedFrame::Input(input) => {
                 if self.missing(input.number)? > 0 {
-                    self.pending = Some((time_ns, Item::Input(input)));
+                    self.pending = Some((time_ns, DecodedFrame::Input(input)));
                     return Ok(self.step(passing, time_ns, None));
                 }
                 return Ok(self.enter(time_ns, &input).filter(|_| !early));
             }
-            Item::Step(mark) => {
+            DecodedFrame::Step(mark) => {
                 if self.missing(mark.number.saturating_sub(1))? > 0 {
-                    self.pending = Some((time_ns, Item::Step(mark)));
+                    self.pending = Some((time_ns, DecodedFrame::Step(mark)));
                     return Ok(self.step(passing, time_ns, None));
                 }
                 return Ok(self.step(passing, time_ns, Some(mark)));
             }
-            Item::Keyframe(keyframe) if is_forged(&keyframe, before) => self.leave_out(),
-            Item::Keyframe(keyframe) => {
+            DecodedFrame::Keyframe(keyframe) if is_forged(&keyframe, before) => self.leave_out(),
+            DecodedFrame::Keyframe(keyframe) => {
                 // From here on nothing depends on what is missing.
                 if matches!(self.trust, Trust::Doubtful(_)) {
                     self.lose();
@@ -200,7 +203,7 @@ impl Replay {
                 if passing && keyframe.kept.is_some() {
                     self.pass_to(&keyframe);
                 } else if self.missing(keyframe.number)? > 0 {
-                    self.pending = Some((time_ns, Item::Keyframe(keyframe)));
+                    self.pending = Some((time_ns, DecodedFrame::Keyframe(keyframe)));
                     return Ok(self.step(passing, time_ns, None));
                 }
                 self.compare(early, time_ns, &keyframe);

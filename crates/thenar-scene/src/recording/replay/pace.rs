@@ -5,7 +5,7 @@
 //! is known beforehand. By a clock on the wall times rise, and a frame that leaps ahead of those
 //! behind it is found by looking at these.
 
-use super::item::Item;
+use super::item::DecodedFrame;
 use super::trust::Trust;
 use super::{Replay, ReplayError};
 use std::io::{self, Read, Seek};
@@ -23,7 +23,7 @@ const LEAP_STEPS: u64 = 1000;
 
 /// Progress of the session's frames.
 #[derive(Clone, Copy, Debug)]
-pub struct Pace {
+pub struct FrameProgress {
     /// Time of the newest frame \[ns\].
     pub newest_ns: u64,
     /// Simulated time as it was summed up while recording \[s\]; `None` where it is not known.
@@ -32,7 +32,7 @@ pub struct Pace {
     slack_ns: u64,
 }
 
-impl Pace {
+impl FrameProgress {
     /// At the beginning of a recording.
     pub fn start(simulated_time: bool) -> Self {
         Self { newest_ns: 0, simulated: simulated_time.then_some(0.0), slack_ns: 0 }
@@ -87,7 +87,9 @@ impl Pace {
 fn of_session(frame: &Frame) -> Option<(u64, Option<u64>)> {
     let number = match frame.kind? {
         FrameKind::Scene => None,
-        FrameKind::Input | FrameKind::Step | FrameKind::Keyframe => Item::of(frame)?.number(),
+        FrameKind::Input | FrameKind::Step | FrameKind::Keyframe => {
+            DecodedFrame::of(frame)?.number()
+        }
         _ => return None,
     };
     Some((frame.time_ns, number))
@@ -112,9 +114,13 @@ pub fn is_ahead<R: Read + Seek>(
 impl Replay {
     /// True if a frame that was just read cannot be the session's next. What comes after damage is
     /// judged less strictly: any part of the session may be missing.
-    pub(super) fn is_impossible(&mut self, time_ns: u64, item: &Item) -> Result<bool, ReplayError> {
+    pub(super) fn is_impossible(
+        &mut self,
+        time_ns: u64,
+        item: &DecodedFrame,
+    ) -> Result<bool, ReplayError> {
         let number = item.number();
-        if number.is_none() && !matches!(item, Item::Scene(_)) {
+        if number.is_none() && !matches!(item, DecodedFrame::Scene(_)) {
             return Ok(false);
         }
         let sound = self.trust == Trust::Sound;

@@ -1,8 +1,8 @@
 //! Going on from elsewhere.
 
-use super::item::Item;
+use super::item::DecodedFrame;
 use super::keyframe::put;
-use super::pace::Pace;
+use super::pace::FrameProgress;
 use super::trust::Trust;
 use super::{Event, Index, Replay, ReplayError};
 use crate::recording::content::Keyframe;
@@ -38,7 +38,7 @@ impl Replay {
         let Some((scene, keyframe)) = index.before(seconds) else { return Ok(0.0) };
         self.verdict.scenes = scene.scene - 1;
         self.frames.go_to(&scene.place)?;
-        let Some((time_ns, Item::Scene(start))) = self.read()? else {
+        let Some((time_ns, DecodedFrame::Scene(start))) = self.read()? else {
             return Err(self.nonsense("a scene was there when it was looked at first"));
         };
         self.start(time_ns, scene.place.offset(), &start)?;
@@ -47,7 +47,7 @@ impl Replay {
             time_ns = mark.time_ns;
             let behind_scene = self.frames.place_of_next();
             self.frames.go_to(&mark.place)?;
-            let Some((_, Item::Keyframe(keyframe))) = self.read()? else {
+            let Some((_, DecodedFrame::Keyframe(keyframe))) = self.read()? else {
                 return Err(self.nonsense("a keyframe was there when it was looked at first"));
             };
             match &keyframe.kept {
@@ -61,7 +61,7 @@ impl Replay {
             }
         }
         let before = |(offset, _): &&(u64, _)| *offset < self.frames.offset();
-        self.pace = Pace::at(time_ns);
+        self.pace = FrameProgress::at(time_ns);
         self.told.push_back(Event::Scene { time_ns });
         let announced = index.channels.iter().filter(before);
         self.channels = announced.clone().map(|(_, info)| (info.id, info.fields.len())).collect();

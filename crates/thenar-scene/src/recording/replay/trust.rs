@@ -1,6 +1,6 @@
 //! Trust in a replay after damage.
 
-use super::item::Item;
+use super::item::DecodedFrame;
 use super::{Event, Replay};
 use crate::recording::content::StepMark;
 use crate::recording::verdict::Loss;
@@ -56,11 +56,11 @@ impl Replay {
     }
 
     /// True for what belongs to a scene that damage has hidden.
-    pub(super) fn is_foreign(&mut self, item: &Item) -> bool {
+    pub(super) fn is_foreign(&mut self, item: &DecodedFrame) -> bool {
         let number = match item {
-            Item::Input(input) => input.number,
-            Item::Step(mark) => mark.number.saturating_sub(1),
-            Item::Keyframe(keyframe) => keyframe.number,
+            DecodedFrame::Input(input) => input.number,
+            DecodedFrame::Step(mark) => mark.number.saturating_sub(1),
+            DecodedFrame::Keyframe(keyframe) => keyframe.number,
             _ => return false,
         };
         let follows = self.session.is_some() && number >= self.number;

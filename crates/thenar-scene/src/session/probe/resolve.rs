@@ -9,7 +9,7 @@ use crate::format::{
 };
 use crate::math::Vec3;
 use crate::session::HandLoad;
-use crate::text::{At, Fault};
+use crate::text::{Fault, Located};
 use thenar_core::World;
 use thenar_core::kernels::RestTet;
 use thenar_core::model::{BodyId, Digit};
@@ -67,7 +67,7 @@ fn resolve<'a>(
     probe: &'a Probe,
     built: &Built,
     world: &World,
-) -> Result<(&'a At<String>, Measure, Parts), Fault> {
+) -> Result<(&'a Located<String>, Measure, Parts), Fault> {
     let names = &built.names;
     let both = |a: Parts, b: Parts| a.into_iter().chain(b).collect::<Parts>();
     Ok(match probe {
@@ -247,8 +247,8 @@ fn momentum(p: &ProbeMomentum, built: &Built) -> Result<Measure, Fault> {
 }
 
 fn nodes(
-    body: &At<String>,
-    selector: Option<&At<Selector>>,
+    body: &Located<String>,
+    selector: Option<&Located<Selector>>,
     built: &Built,
 ) -> Result<NodeSet, Fault> {
     let soft = built.names.soft(body)?;

@@ -115,7 +115,7 @@ fn keyframes_without_memory_are_replayed_as_well() {
     let (file, recorded) = folder.record(GLOVE, STEPS, busy);
     let old = folder.file("old.rec");
     let recorder = Recorder::create(&old, &Header::default()).unwrap();
-    let mut tape = recorder.session();
+    let mut writer = recorder.session();
     let (_, mut frames) = thenar_record::open(&file).unwrap();
     let mut shortened = 0;
     while let Some(frame) = frames.next().unwrap() {
@@ -129,9 +129,9 @@ fn keyframes_without_memory_are_replayed_as_well() {
             }
             _ => {}
         }
-        tape.big_frame(frame.kind.unwrap(), frame.time_ns, |out| out.extend(body));
+        writer.big_frame(frame.kind.unwrap(), frame.time_ns, |out| out.extend(body));
     }
-    drop(tape);
+    drop(writer);
     recorder.finish().unwrap();
     assert!(shortened > 5);
     for seconds in [0.0, 0.3, 0.62] {

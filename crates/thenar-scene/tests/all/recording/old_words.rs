@@ -40,7 +40,7 @@ fn recordings_may_call_the_monolithic_solver_exact() {
     });
     let old = folder.file("old.rec");
     let recorder = Recorder::create(&old, &Header::default()).unwrap();
-    let mut tape = recorder.session();
+    let mut writer = recorder.session();
     let (_, mut frames) = thenar_record::open(&file).unwrap();
     let mut respelled = [0, 0];
     while let Some(frame) = frames.next().unwrap() {
@@ -52,9 +52,9 @@ fn recordings_may_call_the_monolithic_solver_exact() {
             FrameKind::Keyframe => respelled[1] += count,
             _ => assert_eq!(count, 0),
         }
-        tape.big_frame(kind, frame.time_ns, |out| out.extend(body));
+        writer.big_frame(kind, frame.time_ns, |out| out.extend(body));
     }
-    drop(tape);
+    drop(writer);
     recorder.finish().unwrap();
     // Keyframes after 20 and 30 steps at least have the setting.
     assert!(respelled[0] == 1 && respelled[1] >= 2, "{respelled:?}");

@@ -10,7 +10,7 @@ use thenar_record::{Header, Recorder};
 use thenar_rig::hand::{HandOptions, asset, build_hand};
 use thenar_rig::{Model, write_model};
 use thenar_scene::live::LivePose;
-use thenar_scene::recording::{Event, Replay, SessionTape, TimeOf};
+use thenar_scene::recording::{Event, Replay, SessionWriter, TimeOf};
 use thenar_scene::session::{Session, Witness};
 
 /// Time step of the scenes \[s\].
@@ -167,9 +167,9 @@ impl Folder {
         let header = Header { simulated_time: true, ..Header::default() };
         let recorder = Recorder::create(&file, &header).unwrap();
         let every = H * KEYFRAME as f64;
-        let tape =
-            SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Simulation, every);
-        let mut witness: Box<dyn Witness> = Box::new(tape);
+        let writer =
+            SessionWriter::new(recorder.session(), recorder.clock(), TimeOf::Simulation, every);
+        let mut witness: Box<dyn Witness> = Box::new(writer);
         let mut hashes = Vec::new();
         for (mut session, steps) in sessions {
             session.set_witness(witness);

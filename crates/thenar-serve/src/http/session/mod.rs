@@ -6,8 +6,8 @@ mod reader;
 mod writer;
 
 use super::guard::Refusal;
-use super::hall::Seat;
 use super::reply::{self, Reply};
+use super::session_slots::SessionSlot;
 use super::site::Site;
 use crate::hub::{ClientId, Event};
 use crate::protocol::text;
@@ -31,7 +31,7 @@ use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role, WebSocketConfig
 use tokio_tungstenite::tungstenite::{Error, Message};
 use writer::Writer;
 
-/// Beyond this a message is not even read; within it a message that is too long gets a remark.
+/// Beyond this a message is not even read; within it a message that is too long gets a notice.
 const MESSAGE_BYTES: usize = 16 * 1024;
 
 /// Time that closing may take, on either side.
@@ -41,14 +41,14 @@ type Socket = WebSocketStream<TokioIo<Upgraded>>;
 type Outgoing = SplitSink<Socket, Message>;
 type Ingoing = SplitStream<Socket>;
 
-/// A remark that the server itself makes to its client.
+/// A notice that the server itself sends to its client.
 #[derive(Debug)]
-struct Remark {
+struct ServerNotice {
     text: String,
     refusal: bool,
 }
 
-impl Remark {
+impl ServerNotice {
     fn error(message: &str, refusal: bool) -> Self {
         Self { text: text::error(message), refusal }
     }
@@ -93,7 +93,7 @@ pub fn open(site: &Arc<Site>, request: &Parts, upgrade: OnUpgrade) -> Reply {
             "This is the address of the live WebSocket; see docs/protocol.md.",
         ));
     };
-    let Some(seat) = site.hall.enter() else {
+    let Some(slot) = site.session_slots.acquire() else {
         return reply::refuse(&Refusal(
             StatusCode::SERVICE_UNAVAILABLE,
             "As many clients as this server takes are here already; try again later.",
@@ -102,14 +102,14 @@ pub fn open(site: &Arc<Site>, request: &Parts, upgrade: OnUpgrade) -> Reply {
     let site = site.clone();
     tokio::spawn(async move {
         if let Ok(stream) = upgrade.await {
-            run(&site, &seat, TokioIo::new(stream)).await;
+            run(&site, &slot, TokioIo::new(stream)).await;
         }
-        drop(seat);
+        drop(slot);
     });
     reply
 }
 
-async fn run(site: &Site, seat: &Seat, stream: TokioIo<Upgraded>) {
+async fn run(site: &Site, slot: &SessionSlot, stream: TokioIo<Upgraded>) {
     let config = WebSocketConfig::default()
         .max_message_size(Some(MESSAGE_BYTES))
         .max_frame_size(Some(MESSAGE_BYTES))
@@ -117,19 +117,19 @@ async fn run(site: &Site, seat: &Seat, stream: TokioIo<Upgraded>) {
     let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
     let (mut outgoing, mut ingoing) = socket.split();
     let id = ClientId(site.clients.fetch_add(1, Ordering::Relaxed) + 1);
-    // Before joining: no remark must be missed.
+    // Before joining: no notice must be missed.
     let notes = site.hub.notes();
     let end = match site.hub.submit(Event::Joined(id)) {
         Err(_) => End::Ended,
         Ok(()) => {
-            let (remarks_in, remarks) = mpsc::channel(16);
+            let (notices_in, notices) = mpsc::channel(16);
             let (pongs_in, pongs) = watch::channel(0);
-            let reader = Reader::new(site, seat, id, &mut ingoing, remarks_in, pongs_in);
-            let writer = Writer::new(site, seat, id, &mut outgoing, notes, remarks, pongs);
+            let reader = Reader::new(site, slot, id, &mut ingoing, notices_in, pongs_in);
+            let writer = Writer::new(site, slot, id, &mut outgoing, notes, notices, pongs);
             let end = tokio::select! {
                 end = reader.run() => end,
                 end = writer.run() => end,
-                () = seat.taken.notified() => End::Displaced,
+                () = slot.taken.notified() => End::Displaced,
             };
             // Where the simulation has ended, nobody needs to know.
             let _ = site.hub.submit(Event::Left(id));

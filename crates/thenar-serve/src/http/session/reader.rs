@@ -1,8 +1,8 @@
 //! Messages from a client: bounded, and handed to the simulation without waiting for it.
 
-use super::{End, Ingoing, Remark};
-use crate::http::hall::Seat;
+use super::{End, Ingoing, ServerNotice};
 use crate::http::rates::Bucket;
+use crate::http::session_slots::SessionSlot;
 use crate::http::site::Site;
 use crate::hub::{ClientId, Event, Refused};
 use crate::protocol::TEXT_BYTES_MAX;
@@ -25,10 +25,10 @@ const REMIND: Duration = Duration::from_secs(1);
 /// The reading half of a session.
 pub struct Reader<'a> {
     site: &'a Site,
-    seat: &'a Seat,
+    slot: &'a SessionSlot,
     id: ClientId,
     ingoing: &'a mut Ingoing,
-    remarks: mpsc::Sender<Remark>,
+    notices: mpsc::Sender<ServerNotice>,
     pongs: watch::Sender<u32>,
     messages: Bucket,
     texts: Bucket,
@@ -44,19 +44,19 @@ impl<'a> Reader<'a> {
     /// Reads for this client; answers to our pings are passed on as their numbers.
     pub fn new(
         site: &'a Site,
-        seat: &'a Seat,
+        slot: &'a SessionSlot,
         id: ClientId,
         ingoing: &'a mut Ingoing,
-        remarks: mpsc::Sender<Remark>,
+        notices: mpsc::Sender<ServerNotice>,
         pongs: watch::Sender<u32>,
     ) -> Self {
         let (limits, now) = (&site.limits, Instant::now());
         Self {
             site,
-            seat,
+            slot,
             id,
             ingoing,
-            remarks,
+            notices,
             pongs,
             messages: Bucket::new(limits.messages, 2.0, now),
             texts: Bucket::new(limits.texts, 1.0, now),
@@ -104,7 +104,7 @@ impl<'a> Reader<'a> {
             Message::Text(text) => self.text(text.as_str(), now),
             Message::Binary(bytes) => self.binary(bytes),
             Message::Pong(bytes) => {
-                if let Some(number) = self.seat.answered(&bytes) {
+                if let Some(number) = self.slot.answered(&bytes) {
                     self.pongs.send_replace(number);
                 }
                 Ok(())
@@ -116,7 +116,7 @@ impl<'a> Reader<'a> {
 
     fn text(&mut self, text: &str, now: Instant) -> Result<(), End> {
         if text.len() > TEXT_BYTES_MAX {
-            self.remark("a text message has at most 4096 bytes", true);
+            self.notice("a text message has at most 4096 bytes", true);
             return Ok(());
         }
         if self.site.hub.heed(self.id, text) {
@@ -140,13 +140,13 @@ impl<'a> Reader<'a> {
     fn remind(&mut self, now: Instant) {
         if self.reminded.is_none_or(|last| now - last >= REMIND) {
             self.reminded = Some(now);
-            self.remark("text messages come too fast: some were dropped", false);
+            self.notice("text messages come too fast: some were dropped", false);
         }
     }
 
     fn binary(&mut self, bytes: Bytes) -> Result<(), End> {
         if bytes.len() > BINARY_BYTES {
-            self.remark("a binary message has at most 1024 bytes", true);
+            self.notice("a binary message has at most 1024 bytes", true);
             return Ok(());
         }
         // Byte 2 says which hand; what is no pose waits in either place, to be refused later.
@@ -177,9 +177,9 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn remark(&self, message: &str, refusal: bool) {
+    fn notice(&self, message: &str, refusal: bool) {
         // A client that does not listen misses remarks; that is its own loss.
-        let _ = self.remarks.try_send(Remark::error(message, refusal));
+        let _ = self.notices.try_send(ServerNotice::error(message, refusal));
     }
 }
 

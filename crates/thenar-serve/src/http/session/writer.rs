@@ -1,10 +1,10 @@
 //! Messages to a client: the welcome, then always the newest of everything.
 
-use super::{End, Outgoing, Remark};
-use crate::http::hall::Seat;
+use super::{End, Outgoing, ServerNotice};
 use crate::http::rates::Refusals;
+use crate::http::session_slots::SessionSlot;
 use crate::http::site::Site;
-use crate::hub::{ClientId, ClientNote};
+use crate::hub::{ClientId, ClientNotice};
 use bytes::Bytes;
 use futures_util::SinkExt;
 use tokio::sync::broadcast::error::RecvError;
@@ -19,11 +19,11 @@ const UNDERWAY: u32 = 4;
 /// The writing half of a session.
 pub struct Writer<'a> {
     site: &'a Site,
-    seat: &'a Seat,
+    slot: &'a SessionSlot,
     id: ClientId,
     outgoing: &'a mut Outgoing,
-    notes: broadcast::Receiver<ClientNote>,
-    remarks: mpsc::Receiver<Remark>,
+    notes: broadcast::Receiver<ClientNotice>,
+    notices: mpsc::Receiver<ServerNotice>,
     status: watch::Receiver<String>,
     touch: watch::Receiver<String>,
     model: watch::Receiver<Bytes>,
@@ -42,11 +42,11 @@ impl<'a> Writer<'a> {
     /// Writes for this client.
     pub fn new(
         site: &'a Site,
-        seat: &'a Seat,
+        slot: &'a SessionSlot,
         id: ClientId,
         outgoing: &'a mut Outgoing,
-        notes: broadcast::Receiver<ClientNote>,
-        remarks: mpsc::Receiver<Remark>,
+        notes: broadcast::Receiver<ClientNotice>,
+        notices: mpsc::Receiver<ServerNotice>,
         pongs: watch::Receiver<u32>,
     ) -> Self {
         let hub = site.hub.clone();
@@ -56,11 +56,11 @@ impl<'a> Writer<'a> {
         let pinged = Instant::now();
         Self {
             site,
-            seat,
+            slot,
             id,
             outgoing,
             notes,
-            remarks,
+            notices,
             status,
             touch,
             model,
@@ -94,12 +94,12 @@ impl<'a> Writer<'a> {
         let site = self.site;
         let answered = self.pongs.has_changed().unwrap_or(false);
         let waiting = self.pings.wrapping_sub(*self.pongs.borrow_and_update());
-        self.seat.wait(waiting, answered);
+        self.slot.wait(waiting, answered);
         let full = waiting >= UNDERWAY;
         // Other signs of life may come from who reads nothing.
         let patience = self.site.limits.ping * 3;
         let silent =
-            self.seat.waits_since().map_or(self.pinged + patience, |since| since + patience);
+            self.slot.waits_since().map_or(self.pinged + patience, |since| since + patience);
         tokio::select! {
             biased;
             () = site.stopped() => Err(End::Stopping),
@@ -108,7 +108,7 @@ impl<'a> Writer<'a> {
                 Err(RecvError::Closed) => Err(End::Ended),
                 Ok(_) | Err(RecvError::Lagged(_)) => Ok(()),
             },
-            Some(remark) = self.remarks.recv() => self.say(remark.text, remark.refusal).await,
+            Some(notice) = self.notices.recv() => self.say(notice.text, notice.refusal).await,
             changed = self.status.changed() => {
                 changed.map_err(|_| End::Ended)?;
                 let text = self.status.borrow_and_update().clone();
@@ -169,8 +169,8 @@ impl<'a> Writer<'a> {
     async fn ping(&mut self) -> Result<(), End> {
         self.pings = self.pings.wrapping_add(1);
         self.pinged = Instant::now();
-        self.seat.wait(self.pings.wrapping_sub(*self.pongs.borrow()), false);
-        self.send(Message::Ping(Bytes::copy_from_slice(&self.seat.ping(self.pings)))).await
+        self.slot.wait(self.pings.wrapping_sub(*self.pongs.borrow()), false);
+        self.send(Message::Ping(Bytes::copy_from_slice(&self.slot.ping(self.pings)))).await
     }
 
     async fn send(&mut self, message: Message) -> Result<(), End> {

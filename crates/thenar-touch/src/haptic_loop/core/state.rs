@@ -1,7 +1,7 @@
 //! The chain's state: what an incident begins with.
 
 use super::Core;
-use crate::haptic_loop::actuators::{Ability, Actuators};
+use crate::haptic_loop::actuators::{Actuators, Capability};
 use crate::haptic_loop::exchange::{Frame, slots};
 use crate::haptic_loop::hand::{HandState, LoopHand};
 use crate::haptic_loop::record::TickRecord;
@@ -72,7 +72,7 @@ impl Core {
         state: CoreState,
         frames: Vec<Frame>,
         trackers: Vec<Box<dyn Tracker>>,
-        displays: &[Ability],
+        displays: &[Capability],
         records: Producer<TickRecord>,
     ) -> Option<(Self, Vec<Input<Frame>>)> {
         let mut core = Self::new(trackers, displays.to_vec(), records).ok()?;

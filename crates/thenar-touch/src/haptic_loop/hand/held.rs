@@ -94,9 +94,9 @@ impl HeldSample {
 
 /// Measurement time of a tracker's newest sample, believed or not \[ns\].
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct Newest(Option<u64>);
+pub struct NewestTime(Option<u64>);
 
-impl Newest {
+impl NewestTime {
     /// True for a sample measured at `time_ns` that is neither the newest again nor overtaken by
     /// it, which then is the newest. A clock that jumped back further begins afresh.
     pub fn hears(&mut self, time_ns: u64) -> bool {
@@ -146,7 +146,7 @@ mod tests {
     /// back does.
     #[test]
     fn what_is_repeated_is_no_news() {
-        let mut newest = Newest::default();
+        let mut newest = NewestTime::default();
         assert!(newest.hears(500 * MS) && newest.hears(501 * MS));
         assert!(
             !newest.hears(501 * MS) && !newest.hears(501 * MS + 1200) && !newest.hears(450 * MS)

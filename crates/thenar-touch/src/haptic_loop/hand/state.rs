@@ -1,9 +1,9 @@
 //! A hand in the loop, as it is kept for an incident and taken up again.
 
 use super::LoopHand;
-use super::held::{HeldSample, Newest};
-use crate::haptic_loop::exchange::FastEnds;
-use crate::{DIGITS, Felt, HapticHand, Pad, TickReport};
+use super::held::{HeldSample, NewestTime};
+use crate::haptic_loop::exchange::LoopEndpoints;
+use crate::{DIGITS, FeltStiffness, HapticHand, Pad, TickReport};
 use serde::{Deserialize, Serialize};
 use thenar_core::Pose;
 use thenar_core::model::Side;
@@ -19,13 +19,13 @@ pub struct HandStateRef<'a> {
     touch: &'a HapticHand,
     targets: &'a [Option<Target>],
     pads: &'a [Option<Pad>; DIGITS],
-    felt: &'a Option<Felt>,
-    turn: &'a Option<Felt>,
+    felt: &'a Option<FeltStiffness>,
+    turn: &'a Option<FeltStiffness>,
     last_ns: Option<u64>,
     beginnings: u64,
     tracker: Option<(usize, u64)>,
     held: &'a Option<HeldSample>,
-    newest: Newest,
+    newest: NewestTime,
     tracked_ns: u64,
     palm_last: Option<Pose>,
     /// Step of the frame that the hand is on.
@@ -40,13 +40,13 @@ pub struct HandState {
     touch: HapticHand,
     targets: Vec<Option<Target>>,
     pads: [Option<Pad>; DIGITS],
-    felt: Option<Felt>,
-    turn: Option<Felt>,
+    felt: Option<FeltStiffness>,
+    turn: Option<FeltStiffness>,
     last_ns: Option<u64>,
     beginnings: u64,
     tracker: Option<(usize, u64)>,
     held: Option<HeldSample>,
-    newest: Newest,
+    newest: NewestTime,
     tracked_ns: u64,
     palm_last: Option<Pose>,
     /// Step of the frame that the hand was on.
@@ -76,7 +76,7 @@ impl LoopHand {
     }
 
     /// Goes on from a state, with these ends, whose frame is the one that the hand was on.
-    pub fn recall(state: HandState, ends: FastEnds) -> Self {
+    pub fn recall(state: HandState, ends: LoopEndpoints) -> Self {
         Self {
             side: state.side,
             live: state.live,

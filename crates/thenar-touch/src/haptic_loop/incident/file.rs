@@ -1,7 +1,7 @@
 //! The file of an incident: a mark, the version, a checksum, and the content as postcard has it.
 
-use super::tape::{Input, SampleIn};
-use crate::haptic_loop::{Ability, TickRecord};
+use super::writer::{Input, RecordedSample};
+use crate::haptic_loop::{Capability, TickRecord};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 use std::path::Path;
@@ -24,13 +24,13 @@ pub struct Incident {
     /// Vector instructions of its processor: other ones give other bits.
     pub instructions: String,
     /// The displays.
-    pub displays: Vec<Ability>,
+    pub displays: Vec<Capability>,
     /// State of the chain when this begins.
     pub state: Vec<u8>,
     /// Inputs that entered after that.
     pub inputs: Vec<Input>,
     /// Samples of trackers, as inputs call for them.
-    pub samples: Vec<SampleIn>,
+    pub samples: Vec<RecordedSample>,
     /// Frames of the simulation: hand, step, bytes.
     pub frames: Vec<(u8, u64, Vec<u8>)>,
     /// Records that the chain made.

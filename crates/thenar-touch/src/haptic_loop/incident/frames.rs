@@ -20,11 +20,11 @@ struct Ring {
     /// Offset at which the next may begin.
     next: usize,
     /// Oldest first.
-    frames: VecDeque<Kept>,
+    frames: VecDeque<FrameEntry>,
 }
 
 /// A frame of a hand, by its step, and where it is.
-struct Kept {
+struct FrameEntry {
     hand: u8,
     step: u64,
     place: Range<usize>,
@@ -62,7 +62,8 @@ impl Frames {
     /// All frames that are there: hand, step, bytes.
     pub fn kept(&self) -> Vec<(u8, u64, Vec<u8>)> {
         let ring = self.ring();
-        let copy = |kept: &Kept| (kept.hand, kept.step, ring.bytes[kept.place.clone()].to_vec());
+        let copy =
+            |kept: &FrameEntry| (kept.hand, kept.step, ring.bytes[kept.place.clone()].to_vec());
         ring.frames.iter().map(copy).collect()
     }
 }
@@ -83,7 +84,7 @@ impl Ring {
                 if self.frames.len() == COUNT {
                     self.frames.pop_front();
                 }
-                self.frames.push_back(Kept { hand, step: frame.bones.step, place });
+                self.frames.push_back(FrameEntry { hand, step: frame.bones.step, place });
                 return;
             }
         }
@@ -95,13 +96,13 @@ impl Ring {
 mod tests {
     use super::*;
     use crate::haptic_loop::FingerContact;
-    use crate::{RigidState, SlowToFast};
+    use crate::{BoneFrame, RigidState};
     use thenar_core::Pose;
 
     fn frame(step: u64, bones: usize) -> Frame {
         let bones = vec![RigidState::at_rest(Pose::translation(step as f64, 0.0, 0.0)); bones];
         let mut frame = Frame {
-            bones: SlowToFast::new(&bones, 0),
+            bones: BoneFrame::new(&bones, 0),
             made_ns: 10 * step,
             targets: Vec::new(),
             contacts: [FingerContact::default(); 5],

@@ -7,21 +7,22 @@
 //!  simulation ── frames ──► one buffer, the oldest overwritten ──────┘
 //! ```
 //!
-//! The loop's part ([`Tape`]) allocates nothing and waits for nobody: where a ring has no room,
-//! recording breaks off and begins anew with the next state. [`replay`] runs the product's own
-//! chain over an [`Incident`]. In single-rate, whose state is a whole simulation, nothing is kept.
+//! The loop's part ([`IncidentWriter`]) allocates nothing and waits for nobody: where a ring has no
+//! room, recording breaks off and begins anew with the next state. [`replay`] runs the product's
+//! own chain over an [`Incident`]. In single-rate, whose state is a whole simulation, nothing is
+//! kept.
 
 mod file;
 mod frames;
-mod reel;
+mod reader;
 mod replay;
-mod tape;
+mod writer;
 
 pub use file::{Incident, IncidentError, VERSION};
 pub use frames::Frames;
-pub use reel::Reel;
+pub use reader::IncidentReader;
 pub use replay::{Difference, Replayed, replay};
-pub use tape::{Input, SampleIn, Tape};
+pub use writer::{IncidentWriter, Input, RecordedSample};
 
 use super::TickRecord;
 

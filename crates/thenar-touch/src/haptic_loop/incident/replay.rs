@@ -1,6 +1,6 @@
 //! An incident made again by the chain that felt it.
 
-use super::tape::{Input, SampleIn};
+use super::writer::{Input, RecordedSample};
 use super::{Incident, IncidentError, decided};
 use crate::haptic_loop::core::CoreState;
 use crate::haptic_loop::{Core, Frame, TickRecord, TickTime};
@@ -60,9 +60,14 @@ fn run(incident: &Incident) -> Result<Replayed, IncidentError> {
     if trackers > DEVICES || incident.displays.len() > DEVICES {
         return Err(IncidentError::Unfit("devices"));
     }
-    let told: Vec<Told> = (0..trackers).map(|_| Told::default()).collect();
-    let teller = |told: &Told| Teller { told: told.clone(), given: None };
-    let boxed = told.iter().map(|told| Box::new(teller(told)) as Box<dyn Tracker>).collect();
+    let recorded: Vec<RecordedTracker> =
+        (0..trackers).map(|_| RecordedTracker::default()).collect();
+    let replay_tracker =
+        |recorded: &RecordedTracker| ReplayTracker { recorded: recorded.clone(), given: None };
+    let boxed = recorded
+        .iter()
+        .map(|recorded| Box::new(replay_tracker(recorded)) as Box<dyn Tracker>)
+        .collect();
     let (records, mut made) = rtrb::RingBuffer::new(RECORDS);
     let state: CoreState = postcard::from_bytes(&incident.state)
         .map_err(|_| IncidentError::Damaged("its state cannot be read"))?;
@@ -88,7 +93,7 @@ fn run(incident: &Incident) -> Result<Replayed, IncidentError> {
             }
             Input::Sample(tracker, stated) => {
                 let sample = samples.next().ok_or(IncidentError::Unfit("samples"))?;
-                told[usize::from(tracker)].tell(sample.clone(), stated);
+                recorded[usize::from(tracker)].push(sample.clone(), stated);
             }
             Input::Tick(now_ns, enabled) => {
                 core.tick(&TickTime { now_ns, ..TickTime::default() }, enabled);
@@ -143,38 +148,38 @@ fn all_of_tick<'a>(
 
 /// A tracker that tells what was recorded of it.
 #[derive(Clone, Default)]
-struct Told(Arc<Mutex<Line>>);
+struct RecordedTracker(Arc<Mutex<TrackerQueue>>);
 
 #[derive(Default)]
-struct Line {
-    waiting: VecDeque<SampleIn>,
+struct TrackerQueue {
+    waiting: VecDeque<RecordedSample>,
     timing: Option<TrackerTiming>,
 }
 
-impl Told {
-    fn line(&self) -> MutexGuard<'_, Line> {
+impl RecordedTracker {
+    fn queue(&self) -> MutexGuard<'_, TrackerQueue> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn tell(&self, sample: SampleIn, stated: Option<TrackerTiming>) {
-        let mut line = self.line();
-        line.waiting.push_back(sample);
-        line.timing = stated;
+    fn push(&self, sample: RecordedSample, stated: Option<TrackerTiming>) {
+        let mut queue = self.queue();
+        queue.waiting.push_back(sample);
+        queue.timing = stated;
     }
 }
 
 /// A tracker as the chain sees it, with room for the sample that it was given last.
-struct Teller {
-    told: Told,
+struct ReplayTracker {
+    recorded: RecordedTracker,
     given: Option<HandSample>,
 }
 
-impl Tracker for Teller {
+impl Tracker for ReplayTracker {
     fn latest(&mut self, side: Side) -> Option<&HandSample> {
-        let mut line = self.told.line();
-        let at = line.waiting.iter().position(|sample| sample.side == side)?;
-        self.given = line.waiting.remove(at);
-        drop(line);
+        let mut queue = self.recorded.queue();
+        let at = queue.waiting.iter().position(|sample| sample.side == side)?;
+        self.given = queue.waiting.remove(at);
+        drop(queue);
         self.given.as_ref()
     }
 
@@ -183,7 +188,7 @@ impl Tracker for Teller {
     }
 
     fn timing(&self) -> Option<TrackerTiming> {
-        self.told.line().timing
+        self.recorded.queue().timing
     }
 
     fn messages(&mut self) -> Vec<String> {

@@ -77,7 +77,7 @@ fn target_jacobian(world: &World) -> Matrix {
     let posed = coupling.offsets.with(&shares);
     for bound in &coupling.bound {
         let target = skin_target(bound, poses, &posed);
-        for j in 0..bound.carriers() {
+        for j in 0..bound.bone_count() {
             let turning = target.turning.matrix(j);
             let moving = Mat3::from_diagonal_element(bound.weights[j]);
             for (part, block) in [moving, turning].iter().enumerate() {

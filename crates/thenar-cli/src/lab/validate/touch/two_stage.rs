@@ -5,7 +5,7 @@ use crate::lab::validate::case::{Basis, CaseError, Check, Figure};
 use crate::lab::validate::run::Solver;
 use thenar_core::{Mat3, Pose};
 use thenar_touch::{
-    CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch, series_stiffness,
+    BoneFrame, CouplingDesign, HandSettings, HapticHand, RigidState, Touch, series_stiffness,
 };
 
 /// The glove moves on by 1, 3 and 10 mm, the bone is blocked: force over displacement at rest.
@@ -38,7 +38,7 @@ fn force_at_rest(design: &CouplingDesign, displacement: f64) -> Result<f64, Case
     let proxy = design.proxy(0.004, &Mat3::from_diagonal_element(1e-7));
     let mut hand =
         HapticHand::new(HandSettings::default(), vec![proxy], &start, 0).map_err(refused)?;
-    let mut frame = SlowToFast::new(&start, 0);
+    let mut frame = BoneFrame::new(&start, 0);
     for tick in 1..=2000u64 {
         let now_ns = tick * 1_000_000;
         let there = displacement * (tick as f64 / 500.0).min(1.0);

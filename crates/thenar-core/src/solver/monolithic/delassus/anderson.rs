@@ -11,7 +11,7 @@
 //! history began, the history is dropped and plain sweeps go on.
 
 /// Sweeps that are combined at most.
-const KEPT: usize = 15;
+const HISTORY: usize = 15;
 /// Damping of the least squares, in parts of each difference's own square: where the changes are
 /// alike (load that creeps from contact to contact) it bounds how far a combination goes.
 const DAMPING: f64 = 0.02;
@@ -23,7 +23,7 @@ const PLAIN: u32 = 2;
 const ROUND_OFF: f64 = 1e-12;
 
 /// Sweeps until as many are combined as ever are.
-pub const FULL: u32 = PLAIN + KEPT as u32;
+pub const FULL: u32 = PLAIN + HISTORY as u32;
 
 /// The last sweeps.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub struct Anderson {
     results: Vec<f64>,
     velocities: Vec<f64>,
     /// Scalar products of the changes.
-    products: [[f64; KEPT]; KEPT],
+    products: [[f64; HISTORY]; HISTORY],
     /// Number of sweeps kept, and place of the oldest.
     kept: usize,
     oldest: usize,
@@ -47,13 +47,13 @@ pub struct Anderson {
 impl Anderson {
     /// Room for this many numbers a sweep.
     pub fn new(numbers: usize) -> Self {
-        let room = vec![0.0; KEPT * numbers];
+        let room = vec![0.0; HISTORY * numbers];
         Self {
             stride: numbers,
             changes: room.clone(),
             results: room.clone(),
             velocities: room,
-            products: [[0.0; KEPT]; KEPT],
+            products: [[0.0; HISTORY]; HISTORY],
             kept: 0,
             oldest: 0,
             least: f64::INFINITY,
@@ -93,12 +93,12 @@ impl Anderson {
 
     /// Returns the place of the k-th oldest.
     fn place(&self, k: usize) -> usize {
-        (self.oldest + k) % KEPT
+        (self.oldest + k) % HISTORY
     }
 
     fn keep(&mut self, change: &[f64], result: &[f64], velocity: &[f64]) {
-        if self.kept == KEPT {
-            self.oldest = (self.oldest + 1) % KEPT;
+        if self.kept == HISTORY {
+            self.oldest = (self.oldest + 1) % HISTORY;
         } else {
             self.kept += 1;
         }
@@ -116,11 +116,11 @@ impl Anderson {
     }
 
     /// The parts, of sum 1, of the sweeps kept, the oldest first.
-    fn combination(&self) -> Option<[f64; KEPT]> {
+    fn combination(&self) -> Option<[f64; HISTORY]> {
         let n = self.kept.checked_sub(1).filter(|n| *n > 0)?;
         let product = |i: usize, j: usize| self.products[self.place(i)][self.place(j)];
-        let mut squares = [[0.0; KEPT]; KEPT];
-        let mut rhs = [0.0; KEPT];
+        let mut squares = [[0.0; HISTORY]; HISTORY];
+        let mut rhs = [0.0; HISTORY];
         for i in 0..n {
             for j in 0..n {
                 squares[i][j] =
@@ -131,7 +131,7 @@ impl Anderson {
             squares[i][i] = squares[i][i].max(least) * (1.0 + DAMPING);
         }
         solve(&mut squares, &mut rhs, n)?;
-        let mut parts = [0.0; KEPT];
+        let mut parts = [0.0; HISTORY];
         parts[n] = 1.0;
         for (i, part) in rhs.iter().enumerate().take(n) {
             parts[i + 1] -= part;
@@ -142,7 +142,7 @@ impl Anderson {
 }
 
 /// Solves by Cholesky's method, in place; `None` when the matrix is not positive definite.
-fn solve(a: &mut [[f64; KEPT]; KEPT], x: &mut [f64; KEPT], n: usize) -> Option<()> {
+fn solve(a: &mut [[f64; HISTORY]; HISTORY], x: &mut [f64; HISTORY], n: usize) -> Option<()> {
     for i in 0..n {
         for j in 0..=i {
             let sum = a[i][j] - (0..j).map(|k| a[i][k] * a[j][k]).sum::<f64>();

@@ -8,12 +8,12 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 
 /// Work space of the product.
 #[derive(Clone, Debug)]
-pub struct Combine {
+pub struct CombineWorkspace {
     /// One batch of columns of `G Bᵀ`: per handle, one register.
     answers: Aligned<Scalar>,
 }
 
-impl Combine {
+impl CombineWorkspace {
     /// Room for `batches` batches of handles.
     pub fn new(batches: usize) -> Self {
         Self { answers: Aligned::new(batches * LANES * LANES) }

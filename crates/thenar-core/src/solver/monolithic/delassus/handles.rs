@@ -6,7 +6,7 @@
 //! more than the contacts' own axes, each axis is a handle itself. A turn has one axis only.
 
 use super::nodes_of;
-use crate::room::Room;
+use crate::capacity_vec::CapacityVec;
 use crate::solver::monolithic::factor::Scalar;
 use crate::solver::{ContactRow, ContactRows};
 
@@ -40,30 +40,30 @@ pub struct Term {
 /// The handles, and B.
 #[derive(Clone, Debug)]
 pub struct Handles {
-    list: Room<Handle>,
-    terms: Room<Term>,
+    list: CapacityVec<Handle>,
+    terms: CapacityVec<Term>,
     /// Index of the first term of each member; one more at the end.
-    start: Room<usize>,
+    start: CapacityVec<usize>,
     /// First column of each node and each body.
     of_node: Vec<u32>,
     of_body: Vec<u32>,
-    new_nodes: Room<u32>,
-    new_bodies: Room<u32>,
+    new_nodes: CapacityVec<u32>,
+    new_bodies: CapacityVec<u32>,
 }
 
 impl Handles {
     /// Room for `members` contacts on this many nodes and bodies.
     pub fn new(members: usize, nodes: usize, bodies: usize) -> Self {
-        let mut start = Room::with_capacity(members + 1);
+        let mut start = CapacityVec::with_capacity(members + 1);
         start.push(0);
         Self {
-            list: Room::with_capacity(3 * members),
-            terms: Room::with_capacity(TERMS_MAX * members),
+            list: CapacityVec::with_capacity(3 * members),
+            terms: CapacityVec::with_capacity(TERMS_MAX * members),
             start,
             of_node: vec![NONE; nodes],
             of_body: vec![NONE; bodies],
-            new_nodes: Room::with_capacity(nodes),
-            new_bodies: Room::with_capacity(bodies),
+            new_nodes: CapacityVec::with_capacity(nodes),
+            new_bodies: CapacityVec::with_capacity(bodies),
         }
     }
 

@@ -1,19 +1,19 @@
 //! Contacts in W.
 
 use super::nodes_of;
+use crate::capacity_vec::CapacityVec;
 use crate::math::Vec3;
-use crate::room::Room;
 use crate::solver::ContactRows;
-use crate::solver::monolithic::joining::{ALL_AT_ONCE, Joining};
+use crate::solver::monolithic::joining::{ALL_AT_ONCE, JoinQueue};
 
 /// The contacts in W, and those that wait.
 #[derive(Clone, Debug)]
 pub struct Members {
     capacity: usize,
-    list: Room<u32>,
+    list: CapacityVec<u32>,
     /// True for contacts in the list.
     is_member: Vec<bool>,
-    joining: Joining,
+    joining: JoinQueue,
 }
 
 impl Members {
@@ -21,9 +21,9 @@ impl Members {
     pub fn new(capacity: usize, contacts_max: usize, nodes: usize) -> Self {
         Self {
             capacity,
-            list: Room::with_capacity(capacity),
+            list: CapacityVec::with_capacity(capacity),
             is_member: vec![false; contacts_max],
-            joining: Joining::new(contacts_max, nodes),
+            joining: JoinQueue::new(contacts_max, nodes),
         }
     }
 

@@ -34,13 +34,13 @@ use crate::solver::monolithic::pcg::Workspace;
 use crate::solver::{ContactRow, ContactRows};
 use anderson::Anderson;
 use columns::Columns;
-use combine::Combine;
+use combine::CombineWorkspace;
 use fearless_simd::dispatch;
 use handles::Handles;
 use members::Members;
 use newton::Newton;
 use std::ops::Range;
-pub use sweeps::{Swept, within};
+pub use sweeps::{SweepOutcome, within};
 use turns::Turns;
 use work::WorkBudget;
 
@@ -52,7 +52,7 @@ pub struct Delassus {
     built: usize,
     handles: Handles,
     columns: Columns,
-    combine: Combine,
+    combine: CombineWorkspace,
     W: Compliance,
     /// Own response of each member.
     own: Vec<Response>,
@@ -103,7 +103,7 @@ impl Delassus {
             built: 0,
             handles: Handles::new(capacity, nodes, bodies),
             columns: Columns::new(batches, system, freedoms),
-            combine: Combine::new(batches),
+            combine: CombineWorkspace::new(batches),
             W: Compliance::new(batches),
             own: vec![Response::default(); capacity],
             per_handle: vec![0.0; batches * LANES],

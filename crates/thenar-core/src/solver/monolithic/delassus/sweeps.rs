@@ -36,7 +36,7 @@ const ROUND_OFF: f64 = f32::EPSILON as f64;
 
 /// Outcome of sweeps.
 #[derive(Clone, Copy, Debug)]
-pub struct Swept {
+pub struct SweepOutcome {
     /// Number of sweeps made, and their possible error \[m/s\].
     pub found: Convergence,
     /// True when sweeps reached the accuracy asked for, or that of W; false when they ran out.
@@ -64,7 +64,7 @@ impl Delassus {
         sweeps_max: u32,
         ran_out: bool,
         direct: &Direct,
-    ) -> Swept {
+    ) -> SweepOutcome {
         dispatch!(direct.factor.level, simd => {
             self.begin_sweeps(simd, contacts);
             let led = if ran_out && !self.work.is_spent() {
@@ -100,7 +100,7 @@ impl Delassus {
         cone: Cone,
         asked: f64,
         sweeps_max: u32,
-    ) -> Swept {
+    ) -> SweepOutcome {
         self.turns.forget();
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         let mut settled = true;
@@ -251,7 +251,7 @@ impl Delassus {
             turns.release(simd, members.list(), contacts, W, &mut d[..used]);
         }
         convergence.residual = convergence.residual.min(SAFETY * asked + self.moved);
-        Swept { found: convergence, settled }
+        SweepOutcome { found: convergence, settled }
     }
 
     /// Velocities at the present impulses: the true ones, and what W says of the rest.

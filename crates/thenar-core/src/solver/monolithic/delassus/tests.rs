@@ -6,7 +6,7 @@ use crate::random::Random;
 use crate::solver::monolithic::factor::Factor;
 use crate::solver::monolithic::symbolic::Symbolic;
 use crate::solver::monolithic::{CarriedNode, Coordinates, Reduction};
-use crate::solver::{Apart, BlockMatrix, Turning};
+use crate::solver::{BlockMatrix, RelativeTerm, Turning};
 use nalgebra::{DMatrix, DVector};
 
 /// Bodies 0 and 1 carry the first part of the flesh; body 2 and the second part are free.
@@ -40,13 +40,13 @@ fn matrix(random: &mut Random, positions: &[Vec3]) -> BlockMatrix {
 
 fn carried(random: &mut Random, node: usize) -> CarriedNode {
     let weight = random.range(0.0, 1.0);
-    let apart = Apart::Blended { axis: random.vector(0.2), arm: random.vector(0.1) };
+    let apart = RelativeTerm::Blended { axis: random.vector(0.2), arm: random.vector(0.1) };
     let levers = [random.vector(0.1), random.vector(0.1)];
     let turning = Turning { levers, apart: node.is_multiple_of(2).then_some(apart) };
     CarriedNode {
         node: node as u32,
         bones: [0, 1],
-        carriers: 2,
+        bone_count: 2,
         held: [false; 3],
         weights: [weight, 1.0 - weight],
         turning,

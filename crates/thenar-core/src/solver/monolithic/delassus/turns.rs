@@ -12,8 +12,8 @@
 //! and λ_L follows so that `d_L = 0`. A limit that pulls is let go before the next sweep.
 
 use super::Compliance;
+use crate::capacity_vec::CapacityVec;
 use crate::math::{Mat3, Vec3};
-use crate::room::Room;
 use crate::solver::ContactRows;
 use crate::solver::contact_law::{PIVOT_LEAST, Response};
 use crate::solver::monolithic::small_cholesky;
@@ -26,7 +26,7 @@ const HELD_MAX: usize = 64;
 #[derive(Clone, Debug)]
 pub struct Turns {
     /// Members of W.
-    held: Room<u32>,
+    held: CapacityVec<u32>,
     /// Number of members when these were held; zero where W is another one now.
     prepared: usize,
     /// Marks the members that are held.
@@ -43,7 +43,7 @@ impl Turns {
     pub fn new(capacity: usize) -> Self {
         let most = HELD_MAX.min(capacity);
         Self {
-            held: Room::with_capacity(most),
+            held: CapacityVec::with_capacity(most),
             prepared: 0,
             is_held: vec![false; capacity],
             own: vec![Response::default(); capacity],

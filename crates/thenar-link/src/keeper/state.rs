@@ -18,7 +18,7 @@ pub const GONE_NS: u64 = 1_000_000_000;
 
 /// Actions of a keeper that are due now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct KeeperTurn {
+pub struct KeeperActions {
     /// Send the releasing bytes.
     pub release: bool,
     /// Say to the program that it was taken over.
@@ -31,7 +31,7 @@ pub struct KeeperTurn {
 
 /// The state of a keeper.
 #[derive(Clone, Debug, Default)]
-pub struct Watch {
+pub struct KeeperState {
     /// Time of the program's last beat \[ns\]; `None` before the first.
     heard_ns: Option<u64>,
     /// Time of the last release \[ns\]; `None` while the program holds the device.
@@ -41,7 +41,7 @@ pub struct Watch {
     ended: bool,
 }
 
-impl Watch {
+impl KeeperState {
     /// A beat came.
     pub fn hear(&mut self, now_ns: u64) {
         (self.heard_ns, self.released_ns) = (Some(now_ns), None);
@@ -58,26 +58,31 @@ impl Watch {
     }
 
     /// Actions due at this time.
-    pub fn turn(&mut self, now_ns: u64) -> KeeperTurn {
+    pub fn turn(&mut self, now_ns: u64) -> KeeperActions {
         let passed = |since: u64| now_ns.saturating_sub(since);
         let (release, tell) = (false, false);
         // A device that nobody spoke for holds nothing of ours.
         let outlived = self.gone_ns.is_some_and(|gone| passed(gone) >= GONE_NS);
         let Some(heard) = self.heard_ns.filter(|_| !self.ended && !outlived) else {
             let end = self.ended || self.gone_ns.is_some();
-            return KeeperTurn { release, tell, end, wait_ns: SILENCE_NS };
+            return KeeperActions { release, tell, end, wait_ns: SILENCE_NS };
         };
         let silent = passed(heard) >= SILENCE_NS || self.gone_ns.is_some();
         if !silent {
             let wait_ns = SILENCE_NS - passed(heard);
-            return KeeperTurn { release, tell, end: false, wait_ns };
+            return KeeperActions { release, tell, end: false, wait_ns };
         }
         let since = self.released_ns.map(passed);
         match since.filter(|since| *since < AGAIN_NS) {
-            Some(since) => KeeperTurn { release, tell, end: false, wait_ns: AGAIN_NS - since },
+            Some(since) => KeeperActions { release, tell, end: false, wait_ns: AGAIN_NS - since },
             None => {
                 self.released_ns = Some(now_ns);
-                KeeperTurn { release: true, tell: since.is_none(), end: false, wait_ns: AGAIN_NS }
+                KeeperActions {
+                    release: true,
+                    tell: since.is_none(),
+                    end: false,
+                    wait_ns: AGAIN_NS,
+                }
             }
         }
     }
@@ -92,7 +97,7 @@ mod tests {
     /// Times of the keeper's releases \[ms\], for a program that beats at these times; the watch is
     /// looked at whenever it asks to be.
     fn releases(beats: &[u64], gone: Option<u64>, until: u64) -> (Vec<u64>, Option<u64>) {
-        let (mut watch, mut found, mut now) = (Watch::default(), Vec::new(), 0);
+        let (mut watch, mut found, mut now) = (KeeperState::default(), Vec::new(), 0);
         let mut beats = beats.iter().map(|ms| ms * MS).peekable();
         while now <= until * MS {
             while beats.next_if(|beat| *beat <= now).is_some() {
@@ -150,9 +155,9 @@ mod tests {
     /// The program learns of each take-over once.
     #[test]
     fn each_take_over_is_reported_once() {
-        let mut watch = Watch::default();
+        let mut watch = KeeperState::default();
         watch.hear(0);
-        let told = |watch: &mut Watch, from: u64| {
+        let told = |watch: &mut KeeperState, from: u64| {
             (from..from + 60).filter(|ms| watch.turn(ms * MS).tell).collect::<Vec<_>>()
         };
         assert_eq!(told(&mut watch, 1), [25]);
@@ -164,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_clock_that_goes_back_releases_nothing() {
-        let mut watch = Watch::default();
+        let mut watch = KeeperState::default();
         watch.hear(1000 * MS);
         assert!(!watch.turn(10 * MS).release);
         assert!(watch.turn(1025 * MS).release);

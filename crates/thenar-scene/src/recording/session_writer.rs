@@ -3,7 +3,7 @@
 use super::content::{KeyframeRef, StepMark, append};
 use super::{entry, scene};
 use crate::session::{Entry, Session, Witness};
-use thenar_record::{Clock, FrameKind, Tape, Weight};
+use thenar_record::{Clock, FrameKind, FrameWriter, Weight};
 
 /// The clock whose time frames carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,8 +18,8 @@ pub enum TimeOf {
 /// hash of the state and a copy of 50 bytes; nothing waits and, keyframes' first aside, nothing is
 /// allocated.
 #[derive(Debug)]
-pub struct SessionTape {
-    tape: Tape,
+pub struct SessionWriter {
+    frames: FrameWriter,
     clock: Clock,
     time_of: TimeOf,
     /// Simulated time between keyframes \[s\].
@@ -35,11 +35,11 @@ pub struct SessionTape {
     step_began: u64,
 }
 
-impl SessionTape {
+impl SessionWriter {
     /// Nothing yet. `keyframe_every` is simulated time \[s\]; infinite for none.
-    pub fn new(tape: Tape, clock: Clock, time_of: TimeOf, keyframe_every: f64) -> Self {
+    pub fn new(frames: FrameWriter, clock: Clock, time_of: TimeOf, keyframe_every: f64) -> Self {
         Self {
-            tape,
+            frames,
             clock,
             time_of,
             keyframe_every,
@@ -59,20 +59,20 @@ impl SessionTape {
     }
 }
 
-impl Witness for SessionTape {
+impl Witness for SessionWriter {
     fn begins(&mut self, session: &Session) {
         (self.number, self.since_keyframe) = (0, 0.0);
         // A scene that a program has changed leaves no frame: replay says that there is none.
         if let Some(start) = scene::start(session) {
             self.start = start.hash;
             let now = self.now();
-            self.tape.big_frame(FrameKind::Scene, now, |body| start.write(body));
+            self.frames.big_frame(FrameKind::Scene, now, |body| start.write(body));
         }
     }
 
     fn entered(&mut self, entry: Entry<'_>) {
         let (now, number) = (self.now(), self.number);
-        self.tape.frame(FrameKind::Input, now, Weight::Heavy, |body| {
+        self.frames.frame(FrameKind::Input, now, Weight::Heavy, |body| {
             entry::with_ref(number, entry, |input| append(body, input));
         });
     }
@@ -94,12 +94,12 @@ impl Witness for SessionTape {
             cost_ns: u32::try_from(cost).unwrap_or(u32::MAX),
             taken_back: session.report().taken_back,
         };
-        self.tape.frame(FrameKind::Step, now, Weight::Usual, |body| mark.write(body));
+        self.frames.frame(FrameKind::Step, now, Weight::Usual, |body| mark.write(body));
         // Half a step early is not late.
         if self.since_keyframe >= self.keyframe_every - 0.5 * world.time_step() {
             self.since_keyframe = 0.0;
             let keyframe = KeyframeRef::of(session, self.number, self.start);
-            self.tape
+            self.frames
                 .frame(FrameKind::Keyframe, now, Weight::Light, |body| append(body, &keyframe));
         }
     }

@@ -7,7 +7,7 @@ use thenar_core::{Pose, Quat, Vec3};
 
 /// Wrist and joint angles with their velocities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stance {
+pub struct KinematicState {
     /// Wrist, world \[m\], and its velocity \[m/s\].
     pub position: [Vec3; 2],
     /// Wrist's axes, and its angular velocity, world \[rad/s\].
@@ -18,7 +18,7 @@ pub struct Stance {
     pub rates: Vec<[f64; 2]>,
 }
 
-impl Stance {
+impl KinematicState {
     /// The hand at rest.
     pub fn at_rest(articulation: &Articulation) -> Self {
         let wrist = articulation.wrist_at_rest(&Pose::identity());

@@ -2,7 +2,7 @@
 
 /// A distance over several bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Apart {
+pub struct Deviation {
     /// Mean over all.
     pub mean: f64,
     /// Largest of all.
@@ -11,7 +11,7 @@ pub struct Apart {
     pub at: usize,
 }
 
-impl Apart {
+impl Deviation {
     /// Mean and largest of these distances; `None` when there are none.
     pub fn over(distances: impl Iterator<Item = f64>) -> Option<Self> {
         let (mut apart, mut count) = (Self::default(), 0.0);
@@ -32,8 +32,8 @@ mod tests {
 
     #[test]
     fn mean_and_largest_are_found() {
-        let apart = Apart::over([1.0, 4.0, 1.0].into_iter());
-        assert_eq!(apart, Some(Apart { mean: 2.0, max: 4.0, at: 1 }));
-        assert_eq!(Apart::over(std::iter::empty()), None);
+        let apart = Deviation::over([1.0, 4.0, 1.0].into_iter());
+        assert_eq!(apart, Some(Deviation { mean: 2.0, max: 4.0, at: 1 }));
+        assert_eq!(Deviation::over(std::iter::empty()), None);
     }
 }

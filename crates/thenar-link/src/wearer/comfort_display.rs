@@ -1,7 +1,7 @@
 //! A display as its wearer wants it.
 
 use super::{Comfort, Wearer};
-use crate::{ForceDisplay, HandOutput, Lookout, Messenger, Rendering};
+use crate::{ForceDisplay, HandOutput, MessageSource, PresenceCheck, Rendering};
 use thenar_core::Vec3;
 use thenar_touch::LoopProfile;
 use thenar_touch::safety::Limits;
@@ -12,29 +12,29 @@ use thenar_touch::safety::Limits;
 ///
 /// A part of every force is as passive as the whole, and a force that ends growing more so: the
 /// guards' account stays on the safe side of what the wearer is given.
-pub struct Worn {
+pub struct ComfortDisplay {
     display: Box<dyn ForceDisplay>,
     comfort: Comfort,
 }
 
 /// Puts what this wearer finds comfortable before a display that was opened at `address`; what is,
 /// if anything is known.
-pub fn worn(
+pub fn limited_to_comfort(
     display: Box<dyn ForceDisplay>,
     address: &str,
     wearer: &Wearer,
 ) -> (Box<dyn ForceDisplay>, Option<Comfort>) {
     // The device itself, where the address is of one that holds others.
-    let names = display.lookout()().into_iter().map(|presence| presence.name);
+    let names = display.presence_check()().into_iter().map(|presence| presence.name);
     let names: Vec<String> = names.chain(std::iter::once(address.to_string())).collect();
     let of = |name: &String| wearer.with(name.split(':').next().unwrap_or(name));
     match names.iter().find_map(of) {
-        Some(comfort) => (Box::new(Worn { display, comfort: *comfort }), Some(*comfort)),
+        Some(comfort) => (Box::new(ComfortDisplay { display, comfort: *comfort }), Some(*comfort)),
         None => (display, None),
     }
 }
 
-impl Worn {
+impl ComfortDisplay {
     /// A display with what is comfortable.
     pub fn new(display: Box<dyn ForceDisplay>, comfort: Comfort) -> Self {
         Self { display, comfort }
@@ -54,7 +54,7 @@ impl Worn {
     }
 }
 
-impl ForceDisplay for Worn {
+impl ForceDisplay for ComfortDisplay {
     fn rendering(&self) -> Rendering {
         self.display.rendering()
     }
@@ -103,12 +103,12 @@ impl ForceDisplay for Worn {
         self.display.messages()
     }
 
-    fn messenger(&self) -> Messenger {
-        self.display.messenger()
+    fn message_source(&self) -> MessageSource {
+        self.display.message_source()
     }
 
-    fn lookout(&self) -> Lookout {
-        self.display.lookout()
+    fn presence_check(&self) -> PresenceCheck {
+        self.display.presence_check()
     }
 }
 
@@ -161,9 +161,9 @@ mod tests {
     const COMFORT: Comfort =
         Comfort { force: [2.0, 3.0, 9.0, 0.0, 1.0], ramp: 0.0, stiffness: 0.5 };
 
-    fn fake(rendering: Rendering) -> (Worn, Arc<Mutex<Vec<HandOutput>>>) {
+    fn fake(rendering: Rendering) -> (ComfortDisplay, Arc<Mutex<Vec<HandOutput>>>) {
         let shown = Arc::new(Mutex::new(Vec::new()));
-        (Worn::new(Box::new(Fake(rendering, shown.clone())), COMFORT), shown)
+        (ComfortDisplay::new(Box::new(Fake(rendering, shown.clone())), COMFORT), shown)
     }
 
     /// Whatever the guards let through, each finger gets a part of it and no more than it wants;
@@ -194,7 +194,8 @@ mod tests {
     fn an_arm_keeps_to_the_weakest() {
         let comfort = Comfort { force: [3.0; DIGITS], ramp: 0.0, stiffness: 1.0 };
         let shown = Arc::new(Mutex::new(Vec::new()));
-        let mut display = Worn::new(Box::new(Fake(Rendering::Wrench, shown.clone())), comfort);
+        let mut display =
+            ComfortDisplay::new(Box::new(Fake(Rendering::Wrench, shown.clone())), comfort);
         assert_eq!(display.limits().force_max(), 3.0);
         // Half of what the device allows is half of its torque.
         assert!((display.torque_limits().unwrap().force_max() - 0.05).abs() < 1e-12);
@@ -217,12 +218,12 @@ mod tests {
         for address in ["null:right", "either:null:left||null:right", "fault:1:null:right"] {
             let display = crate::open(address).unwrap().display.unwrap();
             let own = display.limits();
-            let (display, comfort) = worn(display, address, &wearer);
+            let (display, comfort) = limited_to_comfort(display, address, &wearer);
             assert_eq!(comfort, Some(COMFORT), "{address}");
             assert!(display.limits().force_max() <= own.force_max());
         }
         let display = crate::open("null:right").unwrap().display.unwrap();
-        assert_eq!(worn(display, "null:right", &Wearer::default()).1, None);
+        assert_eq!(limited_to_comfort(display, "null:right", &Wearer::default()).1, None);
     }
 
     /// A guard with these limits, driven by whatever, never lets more through than the strongest
@@ -230,7 +231,8 @@ mod tests {
     #[test]
     fn the_guards_are_narrowed() {
         let comfort = Comfort { force: [1.5; DIGITS], ramp: 0.5, stiffness: 1.0 };
-        let display = Worn::new(Box::new(Fake(Rendering::Tendons, Arc::default())), comfort);
+        let display =
+            ComfortDisplay::new(Box::new(Fake(Rendering::Tendons, Arc::default())), comfort);
         let limits = display.limits();
         let mut guard = Guard::<1>::new(limits, 0).unwrap();
         guard.arm();

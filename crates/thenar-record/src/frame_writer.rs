@@ -52,18 +52,18 @@ impl Gap {
 /// Takes frames of one source. Allocates nothing once frames as long as this have been written,
 /// and never waits.
 #[derive(Debug)]
-pub struct Tape {
+pub struct FrameWriter {
     ring: Producer<u8>,
     big: Sender<Vec<u8>>,
     /// Length and payload of the frame being written.
-    draft: Vec<u8>,
+    buffer: Vec<u8>,
     gap: Gap,
     dropped: u64,
     /// Time of the newest frame \[ns\].
     time_ns: u64,
 }
 
-impl Drop for Tape {
+impl Drop for FrameWriter {
     fn drop(&mut self) {
         if let Some(payload) = self.last_word() {
             // Whoever would write it may have ended.
@@ -72,7 +72,7 @@ impl Drop for Tape {
     }
 }
 
-impl Tape {
+impl FrameWriter {
     pub(crate) fn new(
         ring: Producer<u8>,
         big: Sender<Vec<u8>>,
@@ -80,7 +80,7 @@ impl Tape {
         longest: usize,
     ) -> Self {
         let gap = Gap { source, ..Gap::default() };
-        Self { ring, big, draft: Vec::with_capacity(longest + 64), gap, dropped: 0, time_ns: 0 }
+        Self { ring, big, buffer: Vec::with_capacity(longest + 64), gap, dropped: 0, time_ns: 0 }
     }
 
     /// Records a frame, whose body `write` appends. False when it had to be dropped.
@@ -92,10 +92,10 @@ impl Tape {
         write: impl FnOnce(&mut Vec<u8>),
     ) -> bool {
         self.tell_gap(time_ns);
-        self.draft.clear();
-        self.draft.extend_from_slice(&[0; 4]);
-        begin_payload(&mut self.draft, kind, time_ns);
-        write(&mut self.draft);
+        self.buffer.clear();
+        self.buffer.extend_from_slice(&[0; 4]);
+        begin_payload(&mut self.buffer, kind, time_ns);
+        write(&mut self.buffer);
         self.push(weight)
     }
 
@@ -123,19 +123,19 @@ impl Tape {
         self.dropped
     }
 
-    /// Pushes the draft, whole or not at all.
+    /// Pushes the frame, whole or not at all.
     fn push(&mut self, weight: Weight) -> bool {
-        let length = (self.draft.len() - 4) as u32;
-        self.draft[..4].copy_from_slice(&length.to_le_bytes());
+        let length = (self.buffer.len() - 4) as u32;
+        self.buffer[..4].copy_from_slice(&length.to_le_bytes());
         let spare = match weight {
             Weight::Light => self.ring.buffer().capacity() / 2,
             Weight::Usual => self.ring.buffer().capacity() / 8,
             Weight::Heavy => 0,
         };
-        if self.ring.slots() < self.draft.len() + spare {
+        if self.ring.slots() < self.buffer.len() + spare {
             return self.drop_one(weight);
         }
-        self.ring.push_entire_slice(&self.draft).is_ok()
+        self.ring.push_entire_slice(&self.buffer).is_ok()
     }
 
     /// Gap left to report when nothing will be pushed any more.
@@ -162,15 +162,15 @@ impl Tape {
             return;
         }
         let gap = self.gap;
-        self.draft.clear();
-        self.draft.extend_from_slice(&[0; 4]);
-        begin_payload(&mut self.draft, FrameKind::Gap, time_ns);
-        gap.write(&mut self.draft);
+        self.buffer.clear();
+        self.buffer.extend_from_slice(&[0; 4]);
+        begin_payload(&mut self.buffer, FrameKind::Gap, time_ns);
+        gap.write(&mut self.buffer);
         // A gap frame that is told while the ring is nearly full would be followed by another.
-        if self.ring.slots() >= self.draft.len() + self.ring.buffer().capacity() / 4 {
-            let length = (self.draft.len() - 4) as u32;
-            self.draft[..4].copy_from_slice(&length.to_le_bytes());
-            if self.ring.push_entire_slice(&self.draft).is_ok() {
+        if self.ring.slots() >= self.buffer.len() + self.ring.buffer().capacity() / 4 {
+            let length = (self.buffer.len() - 4) as u32;
+            self.buffer[..4].copy_from_slice(&length.to_le_bytes());
+            if self.ring.push_entire_slice(&self.buffer).is_ok() {
                 self.gap = Gap { source: gap.source, ..Gap::default() };
             }
         }

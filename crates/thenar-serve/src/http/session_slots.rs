@@ -16,15 +16,15 @@ const STALE: Duration = Duration::from_secs(2);
 
 /// All sessions.
 #[derive(Debug)]
-pub struct Hall {
+pub struct SessionSlots {
     free: Arc<Semaphore>,
-    seats: Mutex<Vec<Weak<Seat>>>,
+    slots: Mutex<Vec<Weak<SessionSlot>>>,
     stale: Duration,
 }
 
 /// A session's place, given back when dropped.
 #[derive(Debug)]
-pub struct Seat {
+pub struct SessionSlot {
     permit: Mutex<Option<OwnedSemaphorePermit>>,
     /// Since when a ping has waited for its answer.
     waits_since: Mutex<Option<Instant>>,
@@ -37,37 +37,38 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Hall {
-    /// A hall with a number of places.
+impl SessionSlots {
+    /// A number of places.
     pub fn new(clients: usize) -> Self {
-        Self { free: Arc::new(Semaphore::new(clients)), seats: Mutex::default(), stale: STALE }
+        Self { free: Arc::new(Semaphore::new(clients)), slots: Mutex::default(), stale: STALE }
     }
 
     /// A place, if need be that of a session that takes in nothing.
-    pub fn enter(&self) -> Option<Arc<Seat>> {
+    pub fn acquire(&self) -> Option<Arc<SessionSlot>> {
         let permit = self.free.clone().try_acquire_owned().ok().or_else(|| self.clear())?;
-        let seat = Arc::new(Seat {
+        let slot = Arc::new(SessionSlot {
             permit: Mutex::new(Some(permit)),
             waits_since: Mutex::new(None),
             taken: Notify::new(),
             tags: RandomState::new(),
         });
-        let mut seats = lock(&self.seats);
-        seats.retain(|seat| seat.strong_count() > 0);
-        seats.push(Arc::downgrade(&seat));
-        Some(seat)
+        let mut slots = lock(&self.slots);
+        slots.retain(|slot| slot.strong_count() > 0);
+        slots.push(Arc::downgrade(&slot));
+        Some(slot)
     }
 
     /// Ends the session that has let a ping wait longest, too long, and takes its place.
     fn clear(&self) -> Option<OwnedSemaphorePermit> {
-        let seats: Vec<Arc<Seat>> = lock(&self.seats).iter().filter_map(Weak::upgrade).collect();
-        let stale = seats.iter().filter_map(|seat| {
-            let since = (*lock(&seat.waits_since))?;
-            (since.elapsed() >= self.stale && lock(&seat.permit).is_some()).then_some((since, seat))
+        let slots: Vec<Arc<SessionSlot>> =
+            lock(&self.slots).iter().filter_map(Weak::upgrade).collect();
+        let stale = slots.iter().filter_map(|slot| {
+            let since = (*lock(&slot.waits_since))?;
+            (since.elapsed() >= self.stale && lock(&slot.permit).is_some()).then_some((since, slot))
         });
-        let (_, seat) = stale.min_by_key(|(since, _)| *since)?;
-        seat.taken.notify_one();
-        lock(&seat.permit).take()
+        let (_, slot) = stale.min_by_key(|(since, _)| *since)?;
+        slot.taken.notify_one();
+        lock(&slot.permit).take()
     }
 
     /// Waits until all sessions have ended.
@@ -77,7 +78,7 @@ impl Hall {
     }
 }
 
-impl Seat {
+impl SessionSlot {
     /// Payload of the ping of this number: who has not read it cannot know it.
     pub fn ping(&self, number: u32) -> [u8; 12] {
         let mut bytes = [0; 12];
@@ -114,8 +115,8 @@ mod tests {
 
     #[test]
     fn only_a_ping_that_was_read_can_be_answered() {
-        let hall = Hall::new(2);
-        let [one, other] = [0, 1].map(|_| hall.enter().unwrap());
+        let session_slots = SessionSlots::new(2);
+        let [one, other] = [0, 1].map(|_| session_slots.acquire().unwrap());
         assert_eq!(one.answered(&one.ping(7)), Some(7));
         assert_eq!(one.answered(&other.ping(7)), None);
         assert_eq!(one.answered(&7_u32.to_le_bytes()), None);
@@ -127,24 +128,25 @@ mod tests {
 
     #[tokio::test(flavor = "current_thread")]
     async fn the_place_of_who_waits_longest_is_taken() {
-        let hall = Hall { stale: Duration::from_millis(20), ..Hall::new(3) };
-        let seats = [0, 1, 2].map(|_| hall.enter().unwrap());
-        assert!(hall.enter().is_none(), "all of them may be reading");
-        seats[1].wait(1, false);
+        let session_slots =
+            SessionSlots { stale: Duration::from_millis(20), ..SessionSlots::new(3) };
+        let slots = [0, 1, 2].map(|_| session_slots.acquire().unwrap());
+        assert!(session_slots.acquire().is_none(), "all of them may be reading");
+        slots[1].wait(1, false);
         tokio::time::sleep(Duration::from_millis(5)).await;
-        seats[2].wait(3, false);
-        assert!(hall.enter().is_none(), "a ping may be on its way");
+        slots[2].wait(3, false);
+        assert!(session_slots.acquire().is_none(), "a ping may be on its way");
         tokio::time::sleep(Duration::from_millis(40)).await;
         // Answered in time, though others wait.
-        seats[2].wait(2, true);
-        let new = hall.enter().unwrap();
-        seats[1].taken.notified().await;
-        assert!(hall.enter().is_none());
+        slots[2].wait(2, true);
+        let new = session_slots.acquire().unwrap();
+        slots[1].taken.notified().await;
+        assert!(session_slots.acquire().is_none());
         // Whoever lost its place gives none back.
-        let [first, second, _third] = seats;
+        let [first, second, _third] = slots;
         drop(second);
-        assert!(hall.enter().is_none());
+        assert!(session_slots.acquire().is_none());
         drop((first, new));
-        assert!(hall.enter().is_some());
+        assert!(session_slots.acquire().is_some());
     }
 }

@@ -18,9 +18,9 @@ const AFTER_RAMP: f64 = 0.2;
 /// Between two ticks: some thousand a second.
 const TICK: Duration = Duration::from_micros(900);
 
-/// Way in which a raise ended.
+/// Way in which a ramp ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ended {
+pub enum RampEnd {
     /// At the most that is allowed, after all of its last step.
     Top,
     /// By the person, when this was the last step that was not stopped \[N\].
@@ -36,15 +36,15 @@ pub enum Ended {
 
 /// A finger's, or an arm's direction's, way from nothing to the most.
 #[derive(Clone, Copy, Debug)]
-pub struct Raise {
+pub struct ForceRamp {
     axis: usize,
     most: f64,
     step: f64,
     ramp: f64,
 }
 
-impl Raise {
-    /// A raise to `most` \[N\] in steps of `step` \[s\], after the guard's ramp \[s\].
+impl ForceRamp {
+    /// A ramp to `most` \[N\] in steps of `step` \[s\], after the guard's ramp \[s\].
     pub fn new(axis: usize, most: f64, step: f64, ramp: f64) -> Self {
         Self { axis, most, step, ramp }
     }
@@ -69,14 +69,14 @@ impl Raise {
     ///
     /// # Errors
     /// The guard trips, the input ends, or the program is to: forces are released then.
-    pub fn run(&self, trial: &mut Trial, keys: &Keys) -> Result<Ended, CliError> {
+    pub fn run(&self, trial: &mut Trial, keys: &Keys) -> Result<RampEnd, CliError> {
         let _any = AnyKey::counts();
         let start = Instant::now();
         while let Some((force, comfortable)) = self.at(start.elapsed().as_secs_f64()) {
             match keys.heard() {
                 Some(Key::Pressed(_)) => {
                     trial.release();
-                    return Ok(Ended::Stopped { comfortable });
+                    return Ok(RampEnd::Stopped { comfortable });
                 }
                 Some(Key::Closed) => return Err(unfinished(trial)),
                 None if interrupt::asked() => return Err(unfinished(trial)),
@@ -87,18 +87,23 @@ impl Raise {
             }
             std::thread::sleep(TICK);
         }
-        Ok(Ended::Top)
+        Ok(RampEnd::Top)
     }
 
     /// Shows this force; says what speaks against going on.
-    pub fn tick(&self, trial: &mut Trial, now: u64, force: f64) -> Result<Option<Ended>, CliError> {
+    pub fn tick(
+        &self,
+        trial: &mut Trial,
+        now: u64,
+        force: f64,
+    ) -> Result<Option<RampEnd>, CliError> {
         let mut wanted = [0.0; DIGITS];
         wanted[self.axis] = force;
         trial.show(now, wanted)?;
         let ended = match trial.status() {
-            Status::Waiting { pause: Some(Pause::Loop { .. }), .. } => Ended::HeldUp,
+            Status::Waiting { pause: Some(Pause::Loop { .. }), .. } => RampEnd::HeldUp,
             // At the start nothing has been heard through this guard.
-            Status::Waiting { pause: Some(_), .. } => Ended::Silent,
+            Status::Waiting { pause: Some(_), .. } => RampEnd::Silent,
             _ => return Ok(None),
         };
         trial.release();

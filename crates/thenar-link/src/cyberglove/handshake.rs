@@ -10,7 +10,7 @@ const SILENCE_NS: u64 = 1_000_000_000;
 
 /// The conversation up to the stream.
 #[derive(Clone, Debug)]
-pub struct Speech {
+pub struct Handshake {
     words: &'static [&'static [u8]],
     /// The next word and when it is due; `None` while the glove streams or has been told all.
     next: Option<(usize, u64)>,
@@ -19,7 +19,7 @@ pub struct Speech {
     streams: bool,
 }
 
-impl Speech {
+impl Handshake {
     /// A dialogue of `words`, with a pause between them, repeated after a silence.
     pub fn new(words: &'static [&'static [u8]]) -> Self {
         Self { words, next: None, heard_ns: 0, streams: false }

@@ -1,20 +1,20 @@
 //! Presence of devices: which there are, and whether they are reached.
 
 use super::control::DeviceStatus;
-use crate::{ForceDisplay, Lookout, Tracker};
+use crate::{ForceDisplay, PresenceCheck, Tracker};
 
 /// Asks all devices whether they are there, while the loop has them.
-pub struct Lookouts {
-    trackers: Vec<Lookout>,
-    displays: Vec<Lookout>,
+pub struct PresenceChecks {
+    trackers: Vec<PresenceCheck>,
+    displays: Vec<PresenceCheck>,
 }
 
-impl Lookouts {
-    /// Lookouts of these trackers and displays.
+impl PresenceChecks {
+    /// Presence checks of these trackers and displays.
     pub fn of(trackers: &[Box<dyn Tracker>], displays: &[Box<dyn ForceDisplay>]) -> Self {
         Self {
-            trackers: trackers.iter().map(|tracker| tracker.lookout()).collect(),
-            displays: displays.iter().map(|display| display.lookout()).collect(),
+            trackers: trackers.iter().map(|tracker| tracker.presence_check()).collect(),
+            displays: displays.iter().map(|display| display.presence_check()).collect(),
         }
     }
 

@@ -31,7 +31,7 @@ const LISTED: usize = 8;
 
 /// Links as a file has them, parents before children, the first the root. The file's z is up.
 #[derive(Clone, Debug)]
-pub(super) struct Draft {
+pub(super) struct LinkTree {
     /// Name of the figure; empty where it has none.
     pub name: String,
     /// Word for a link in the format.
@@ -151,7 +151,7 @@ fn edits(a: &str, b: &str) -> usize {
     above[b.len()]
 }
 
-impl Draft {
+impl LinkTree {
     /// Stands the links upright, merges what does not move by itself, and makes bones of the rest.
     ///
     /// # Errors

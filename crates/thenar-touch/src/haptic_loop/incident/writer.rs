@@ -1,7 +1,7 @@
 //! The loop's part: what enters a tick, handed on without waiting.
 
 use super::STATE_EVERY_NS;
-use super::reel::Reel;
+use super::reader::IncidentReader;
 use crate::safety::Trip;
 use crate::{HandSample, TrackerTiming};
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -40,12 +40,12 @@ pub enum Input {
 }
 
 /// A sample, by another way than the rest since it is large.
-pub type SampleIn = HandSample;
+pub type RecordedSample = HandSample;
 
 /// The loop's ends.
-pub struct Tape {
+pub struct IncidentWriter {
     inputs: Producer<Input>,
-    samples: Producer<SampleIn>,
+    samples: Producer<RecordedSample>,
     filled: Producer<Vec<u8>>,
     empty: Consumer<Vec<u8>>,
     /// Something found no room: nothing is kept until the next state.
@@ -54,14 +54,14 @@ pub struct Tape {
     state_ns: u64,
 }
 
-impl Tape {
+impl IncidentWriter {
     /// Both ends. Allocates all that they need.
-    pub fn new() -> (Self, Reel) {
+    pub fn new() -> (Self, IncidentReader) {
         Self::with_room(INPUTS, SAMPLES)
     }
 
     /// Both ends, with room for this many inputs and samples.
-    pub(super) fn with_room(inputs: usize, samples: usize) -> (Self, Reel) {
+    pub(super) fn with_room(inputs: usize, samples: usize) -> (Self, IncidentReader) {
         let (inputs, inputs_out) = RingBuffer::new(inputs);
         let (samples, samples_out) = RingBuffer::new(samples);
         let (filled, filled_out) = RingBuffer::new(STATES);
@@ -70,8 +70,8 @@ impl Tape {
             // The ring has room for all of them.
             let _ = empty_in.push(vec![0; STATE_ROOM]);
         }
-        let tape = Self { inputs, samples, filled, empty, broken: true, state_ns: 0 };
-        (tape, Reel::new(inputs_out, samples_out, filled_out, empty_in))
+        let incident_writer = Self { inputs, samples, filled, empty, broken: true, state_ns: 0 };
+        (incident_writer, IncidentReader::new(inputs_out, samples_out, filled_out, empty_in))
     }
 
     /// Takes down an input.
@@ -83,7 +83,7 @@ impl Tape {
 
     /// Takes down a sample.
     pub fn sample(&mut self, tracker: usize, sample: &HandSample, stated: Option<TrackerTiming>) {
-        // Both or neither: the reel takes the next sample for each input that names one.
+        // Both or neither: the reader takes the next sample for each input that names one.
         if !self.broken {
             self.broken = self.inputs.slots() == 0 || self.samples.push(sample.clone()).is_err();
         }
@@ -102,7 +102,7 @@ impl Tape {
             return;
         }
         self.state_ns = now_ns.saturating_add(STATE_EVERY_NS);
-        // Room for both inputs below or for none, as the reel takes the next state for each input
+        // Room for both inputs below or for none, as the reader takes the next state for each input
         // that names one.
         if self.inputs.slots() < 2 {
             self.broken = true;
@@ -112,7 +112,11 @@ impl Tape {
             self.broken = true;
             return;
         };
-        debug_assert_eq!(room.len(), STATE_ROOM, "the reel gives rooms back at their full length");
+        debug_assert_eq!(
+            room.len(),
+            STATE_ROOM,
+            "the reader gives rooms back at their full length"
+        );
         let length = write(&mut room);
         room.truncate(length.unwrap_or(0));
         let begins = std::mem::replace(&mut self.broken, length.is_none());
@@ -122,7 +126,7 @@ impl Tape {
             self.broken = self.inputs.push(Input::Begin).is_err();
         }
         if sent {
-            // Also while nothing is kept: the reel gives the room back.
+            // Also while nothing is kept: the reader gives the room back.
             self.broken |= self.inputs.push(Input::State(now_ns)).is_err();
         }
     }

@@ -13,7 +13,7 @@ const SHORT: f64 = 1.0;
 const PACE: Duration = Duration::from_millis(900);
 
 /// Tells of one stage after the other.
-pub(super) struct Teller {
+pub(super) struct StageReporter {
     now: Progress,
     /// Start of the first stage.
     begun: Instant,
@@ -23,7 +23,7 @@ pub(super) struct Teller {
     bar: Option<ProgressBar>,
 }
 
-impl Teller {
+impl StageReporter {
     pub fn new(terminal: bool, now: Instant) -> Self {
         let nothing = Progress { stage: "building", work: 0.0, done: 0.0, steps: 0 };
         Self { now: nothing, begun: now, last: now, terminal, bar: None }
@@ -105,7 +105,7 @@ impl Teller {
     }
 }
 
-impl Drop for Teller {
+impl Drop for StageReporter {
     fn drop(&mut self) {
         self.clear();
     }
@@ -122,12 +122,12 @@ mod tests {
     /// Lines told in a number of tenths of a second, and in which of them.
     fn told(tenths: u64, hear: impl Fn(u64) -> Option<Progress>) -> Vec<(u64, String)> {
         let begin = Instant::now();
-        let mut teller = Teller::new(false, begin);
+        let mut stage_reporter = StageReporter::new(false, begin);
         let mut told = Vec::new();
         for tenth in 0..tenths {
             let now = begin + Duration::from_millis(100 * tenth);
-            let heard = hear(tenth).and_then(|progress| teller.heard(&progress, now));
-            told.extend(heard.or_else(|| teller.due(now)).map(|line| (tenth, line)));
+            let heard = hear(tenth).and_then(|progress| stage_reporter.heard(&progress, now));
+            told.extend(heard.or_else(|| stage_reporter.due(now)).map(|line| (tenth, line)));
         }
         told
     }

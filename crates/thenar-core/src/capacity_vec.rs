@@ -7,28 +7,28 @@ use std::ops::{Deref, DerefMut};
 #[derive(Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(transparent))]
-pub struct Room<T>(Vec<T>);
+pub struct CapacityVec<T>(Vec<T>);
 
-impl<T> Room<T> {
+impl<T> CapacityVec<T> {
     /// Empty, with room for `many`.
     pub fn with_capacity(many: usize) -> Self {
         Self(Vec::with_capacity(many))
     }
 }
 
-impl<T> Default for Room<T> {
+impl<T> Default for CapacityVec<T> {
     fn default() -> Self {
         Self(Vec::new())
     }
 }
 
-impl<T> From<Vec<T>> for Room<T> {
+impl<T> From<Vec<T>> for CapacityVec<T> {
     fn from(list: Vec<T>) -> Self {
         Self(list)
     }
 }
 
-impl<T: Clone> Clone for Room<T> {
+impl<T: Clone> Clone for CapacityVec<T> {
     fn clone(&self) -> Self {
         let mut copy = Self::with_capacity(self.0.capacity());
         copy.0.extend_from_slice(&self.0);
@@ -42,7 +42,7 @@ impl<T: Clone> Clone for Room<T> {
     }
 }
 
-impl<T> Deref for Room<T> {
+impl<T> Deref for CapacityVec<T> {
     type Target = Vec<T>;
 
     fn deref(&self) -> &Vec<T> {
@@ -50,13 +50,13 @@ impl<T> Deref for Room<T> {
     }
 }
 
-impl<T> DerefMut for Room<T> {
+impl<T> DerefMut for CapacityVec<T> {
     fn deref_mut(&mut self) -> &mut Vec<T> {
         &mut self.0
     }
 }
 
-impl<'a, T> IntoIterator for &'a Room<T> {
+impl<'a, T> IntoIterator for &'a CapacityVec<T> {
     type Item = &'a T;
     type IntoIter = std::slice::Iter<'a, T>;
 
@@ -65,7 +65,7 @@ impl<'a, T> IntoIterator for &'a Room<T> {
     }
 }
 
-impl<'a, T> IntoIterator for &'a mut Room<T> {
+impl<'a, T> IntoIterator for &'a mut CapacityVec<T> {
     type Item = &'a mut T;
     type IntoIter = std::slice::IterMut<'a, T>;
 
@@ -80,12 +80,12 @@ mod tests {
 
     #[test]
     fn a_copy_has_as_much_room() {
-        let mut list = Room::with_capacity(40);
+        let mut list = CapacityVec::with_capacity(40);
         list.extend([1, 2]);
         let copy = list.clone();
         assert_eq!(*copy, [1, 2]);
         assert!(copy.capacity() >= 40);
-        let mut other: Room<i32> = Room::with_capacity(50);
+        let mut other: CapacityVec<i32> = CapacityVec::with_capacity(50);
         other.clone_from(&list);
         assert!(*other == [1, 2] && other.capacity() >= 50);
     }

@@ -7,14 +7,15 @@
 //! hand flicker. Left and right are chosen apart. Every change is reported.
 
 use crate::{
-    Driver, FoundDevice, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns,
+    Driver, FoundDevice, HandSample, LinkError, MessageSource, Opened, PresenceCheck, Tracker,
+    now_ns,
 };
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
 use thenar_core::model::Side;
 use thenar_touch::TrackerTiming;
 use thenar_track::live::checked;
-use thenar_track::tracker_clock::{ClockNews, TrackerClock};
+use thenar_track::tracker_clock::{ClockJump, TrackerClock};
 
 /// A source is trusted so long after its newest good sample \[ns\].
 const STALE_NS: u64 = 100_000_000;
@@ -31,16 +32,16 @@ struct Source {
     tracker: Box<dyn Tracker>,
     times: TrackerClock,
     /// Left, right.
-    hands: [Record; 2],
+    hands: [SightRecord; 2],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Record {
+struct SightRecord {
     /// Time of its last sight of the hand, and start of unbroken sight \[ns\].
     good: Option<[u64; 2]>,
 }
 
-impl Record {
+impl SightRecord {
     fn is_trusted(&self, now: u64) -> bool {
         self.good.is_some_and(|[last, _]| now.saturating_sub(last) <= STALE_NS)
     }
@@ -75,7 +76,7 @@ struct Choice {
 type Change = (Side, Option<usize>, usize);
 
 /// The tracker of several.
-pub struct Either {
+pub struct Failover {
     sources: Vec<Source>,
     choices: [Choice; 2],
     newest: [Option<HandSample>; 2],
@@ -85,7 +86,7 @@ pub struct Either {
     clock: fn() -> u64,
 }
 
-impl Either {
+impl Failover {
     /// One tracker out of several, the preferred first.
     pub fn new(trackers: Vec<(String, Box<dyn Tracker>)>) -> Self {
         Self::with_clock(trackers, now_ns)
@@ -132,7 +133,7 @@ impl Either {
     }
 }
 
-impl Tracker for Either {
+impl Tracker for Failover {
     fn latest(&mut self, side: Side) -> Option<&HandSample> {
         let (now, k) = ((self.clock)(), side as usize);
         let mut fresh: [Option<HandSample>; SOURCES_MAX] = Default::default();
@@ -176,11 +177,11 @@ impl Tracker for Either {
         all
     }
 
-    fn messenger(&self) -> Messenger {
+    fn message_source(&self) -> MessageSource {
         let mut sources: Vec<_> =
-            self.sources.iter().map(|source| source.tracker.messenger()).collect();
+            self.sources.iter().map(|source| source.tracker.message_source()).collect();
         let names: Vec<_> = self.sources.iter().map(|source| source.name.clone()).collect();
-        let news: Vec<ClockNews> = self.sources.iter().map(|source| source.times.news()).collect();
+        let news: Vec<ClockJump> = self.sources.iter().map(|source| source.times.news()).collect();
         let told = self.told.clone();
         Box::new(move || {
             let mut all: Vec<_> = sources.iter_mut().flat_map(|ask| ask()).collect();
@@ -190,9 +191,9 @@ impl Tracker for Either {
         })
     }
 
-    fn lookout(&self) -> Lookout {
+    fn presence_check(&self) -> PresenceCheck {
         let mut sources: Vec<_> =
-            self.sources.iter().map(|source| source.tracker.lookout()).collect();
+            self.sources.iter().map(|source| source.tracker.presence_check()).collect();
         Box::new(move || sources.iter_mut().flat_map(|look| look()).collect())
     }
 }
@@ -220,9 +221,9 @@ fn tell_changes<'a>(
 }
 
 /// Driver of addresses `either:DEVICE||DEVICE`.
-pub struct EitherDriver;
+pub struct FailoverDriver;
 
-impl Driver for EitherDriver {
+impl Driver for FailoverDriver {
     fn name(&self) -> &'static str {
         "either"
     }
@@ -250,7 +251,7 @@ impl Driver for EitherDriver {
             trackers.extend(opened.tracker.map(|tracker| (name.to_owned(), tracker)));
             display = display.or(opened.display);
         }
-        Ok(Opened { tracker: Some(Box::new(Either::new(trackers))), display })
+        Ok(Opened { tracker: Some(Box::new(Failover::new(trackers))), display })
     }
 }
 
@@ -294,7 +295,7 @@ mod tests {
     }
 
     /// Source `x` sees the hand at x metres.
-    fn bench() -> (Either, [Next; 2]) {
+    fn bench() -> (Failover, [Next; 2]) {
         let nexts: [Next; 2] = Default::default();
         let name = ["good".to_owned(), "spare".to_owned()];
         let trackers = name
@@ -304,7 +305,7 @@ mod tests {
                 (name, Box::new(Fake(next.clone(), None)))
             })
             .collect();
-        (Either::with_clock(trackers, || NOW.get()), nexts)
+        (Failover::with_clock(trackers, || NOW.get()), nexts)
     }
 
     fn sample(x: f64) -> HandSample {
@@ -316,7 +317,7 @@ mod tests {
     /// Runs from one time to another in steps of 10 ms; both sources say what `says` tells. Returns
     /// who moved the hand, without repetition, and since when \[ms\].
     fn run(
-        either: &mut Either,
+        failover: &mut Failover,
         nexts: &[Next; 2],
         [from, to]: [u64; 2],
         says: &dyn Fn(u64) -> [Option<f64>; 2],
@@ -328,7 +329,7 @@ mod tests {
             for (next, x) in nexts.iter().zip(says(ms)) {
                 *next.lock().unwrap() = x.map(sample);
             }
-            let Some(sample) = either.latest(Side::Right) else { continue };
+            let Some(sample) = failover.latest(Side::Right) else { continue };
             assert!(sample.time_ns > last_ns, "times rise");
             last_ns = sample.time_ns;
             let Some(LivePose::Angles { wrist, .. }) = &sample.pose else { continue };
@@ -341,8 +342,8 @@ mod tests {
 
     #[test]
     fn the_spare_takes_over_at_once_and_gives_back_late() {
-        let (mut either, nexts) = bench();
-        let seen = run(&mut either, &nexts, [1000, 4000], &|ms| {
+        let (mut failover, nexts) = bench();
+        let seen = run(&mut failover, &nexts, [1000, 4000], &|ms| {
             // The good one is silent for a second, then flickers once.
             let silent = (2000..3000).contains(&ms) || (3200..3310).contains(&ms);
             [(!silent).then_some(1.0), Some(2.0)]
@@ -350,8 +351,8 @@ mod tests {
         // 100 ms after the last sample at 1990; back 500 ms after it came again at 3310.
         assert_eq!(seen, [(1000, 1.0), (2100, 2.0), (3810, 1.0)]);
         // As the loop's monitor asks, while the loop has the tracker.
-        let told = either.messenger()();
-        assert!(either.messages().is_empty(), "each is told once");
+        let told = failover.message_source()();
+        assert!(failover.messages().is_empty(), "each is told once");
         assert_eq!(
             told,
             [
@@ -364,8 +365,8 @@ mod tests {
 
     #[test]
     fn a_source_that_is_on_and_off_never_gets_the_hand_back() {
-        let (mut either, nexts) = bench();
-        let seen = run(&mut either, &nexts, [1000, 9000], &|ms| {
+        let (mut failover, nexts) = bench();
+        let seen = run(&mut failover, &nexts, [1000, 9000], &|ms| {
             let on = ms < 1100 || (ms / 300) % 2 == 0;
             [on.then_some(1.0), Some(2.0)]
         });
@@ -374,22 +375,22 @@ mod tests {
 
     #[test]
     fn poses_that_are_none_are_not_trusted() {
-        let (mut either, nexts) = bench();
-        let seen = run(&mut either, &nexts, [1000, 2000], &|ms| {
+        let (mut failover, nexts) = bench();
+        let seen = run(&mut failover, &nexts, [1000, 2000], &|ms| {
             [Some(if ms < 1500 { 1.0 } else { f64::NAN }), Some(2.0)]
         });
         assert_eq!(seen, [(1000, 1.0), (1500, 2.0)]);
         // Each hand by itself.
-        assert!(either.latest(Side::Left).is_none());
+        assert!(failover.latest(Side::Left).is_none());
     }
 
     #[test]
     fn without_any_trusted_source_the_loss_is_told() {
-        let (mut either, nexts) = bench();
-        run(&mut either, &nexts, [1000, 1200], &|_| [Some(1.0), None]);
+        let (mut failover, nexts) = bench();
+        run(&mut failover, &nexts, [1000, 1200], &|_| [Some(1.0), None]);
         NOW.set(1210 * MS);
         *nexts[0].lock().unwrap() = Some(HandSample { pose: None, ..sample(1.0) });
-        assert_eq!(either.latest(Side::Right).unwrap().pose, None);
+        assert_eq!(failover.latest(Side::Right).unwrap().pose, None);
     }
 
     /// A sample of tomorrow held all later ones up; a clock put back for good does no more harm
@@ -398,9 +399,10 @@ mod tests {
     fn a_clock_that_jumps_by_a_day_is_followed() {
         const DAY_MS: i64 = 86_400_000;
         for (by, spare) in [(DAY_MS, None), (-DAY_MS, Some([2100, 3000]))] {
-            let (mut either, nexts) = bench();
+            let (mut failover, nexts) = bench();
             let begin = 2 * DAY_MS as u64;
-            let seen = run(&mut either, &nexts, [begin, begin + 5000], &|_| [Some(1.0), Some(2.0)]);
+            let seen =
+                run(&mut failover, &nexts, [begin, begin + 5000], &|_| [Some(1.0), Some(2.0)]);
             assert_eq!(seen, [(begin, 1.0)]);
             let mut seen = Vec::new();
             for ms in (begin + 5000..begin + 9000).step_by(10) {
@@ -409,7 +411,7 @@ mod tests {
                 jumped.time_ns = jumped.time_ns.saturating_add_signed(by * MS as i64);
                 *nexts[0].lock().unwrap() = Some(jumped);
                 *nexts[1].lock().unwrap() = Some(sample(2.0));
-                let Some(sample) = either.latest(Side::Right) else { continue };
+                let Some(sample) = failover.latest(Side::Right) else { continue };
                 assert_eq!(sample.time_ns, ms * MS, "fresh");
                 let Some(LivePose::Angles { wrist, .. }) = &sample.pose else { panic!() };
                 if seen.last().is_none_or(|(_, x)| *x != wrist.position.x) {
@@ -419,7 +421,7 @@ mod tests {
             // 100 ms after the last good one at 4990; back 500 ms after it was believed at 5500.
             let want = spare.map_or(vec![(2000, 1.0)], |[from, to]| vec![(from, 2.0), (to, 1.0)]);
             assert_eq!(seen, want, "{by}");
-            let told = either.messages();
+            let told = failover.messages();
             assert!(told.contains(&"the clock of good has jumped; it is followed".into()));
         }
     }

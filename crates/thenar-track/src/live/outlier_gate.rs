@@ -16,14 +16,14 @@ const FASTEST: [f64; 3] = [4.0, 25.0, 26.0];
 
 /// A sample that waits for the next.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct Doubt {
-    waiting: Option<Waiting>,
+pub struct OutlierGate {
+    waiting: Option<PendingWrist>,
     angles: Vec<[f64; 2]>,
 }
 
 /// A wrist in doubt, and how long after the last one taken it was \[s\].
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
-pub struct Waiting {
+pub struct PendingWrist {
     /// Pose at which it was seen.
     pub wrist: Pose,
     /// Time since the last sample that was taken \[s\].
@@ -32,16 +32,16 @@ pub struct Waiting {
 
 /// Verdict on a sample.
 #[derive(Clone, Copy, Debug)]
-pub enum Verdict {
+pub enum GateDecision {
     /// The sample is taken; what waited is forgotten.
     Taken,
     /// The sample is taken after the one that waited, which it bears out.
-    BornOut(Waiting),
+    BornOut(PendingWrist),
     /// The sample waits for the next.
     Waits,
 }
 
-impl Doubt {
+impl OutlierGate {
     /// Nothing waits.
     pub fn new(joints: usize) -> Self {
         Self { waiting: None, angles: vec![[0.0; 2]; joints] }
@@ -71,25 +71,25 @@ impl Doubt {
         surprises: [f64; 3],
         gap: f64,
         step: Option<f64>,
-    ) -> Verdict {
+    ) -> GateDecision {
         let most = EXPECTED.map(|[base, start, most]| base + (0.5 * start * gap * gap).min(most));
         if surprises.iter().zip(&most).all(|(surprise, most)| surprise <= most) {
             self.waiting = None;
-            return Verdict::Taken;
+            return GateDecision::Taken;
         }
         if self.is_borne_out(wrist, angles, step.unwrap_or(gap))
             && let Some(waiting) = self.waiting.take()
         {
-            return Verdict::BornOut(waiting);
+            return GateDecision::BornOut(waiting);
         }
-        self.waiting = Some(Waiting { wrist: *wrist, gap });
+        self.waiting = Some(PendingWrist { wrist: *wrist, gap });
         self.angles.copy_from_slice(angles);
-        Verdict::Waits
+        GateDecision::Waits
     }
 
     /// True if the sample in doubt and this one are of one motion.
     fn is_borne_out(&self, wrist: &Pose, angles: &[[f64; 2]], step: f64) -> bool {
-        let Some(Waiting { wrist: before, .. }) = &self.waiting else { return false };
+        let Some(PendingWrist { wrist: before, .. }) = &self.waiting else { return false };
         let change = (self.angles.as_flattened().iter().zip(angles.as_flattened()))
             .map(|(a, b)| (a - b).abs())
             .fold(0.0, f64::max);
@@ -119,10 +119,13 @@ mod tests {
     #[test]
     fn one_sample_is_a_glitch_and_two_are_a_motion() {
         let none = [[0.0; 2]; 15];
-        let mut doubt = Doubt::new(15);
+        let mut outlier_gate = OutlierGate::new(15);
         let mut look = |x: f64, expected: f64, gap: f64| {
             let surprises = [(x - expected).abs(), 0.0, 0.0];
-            matches!(doubt.look(&at(x), &none, surprises, gap, Some(GAP)), Verdict::Waits)
+            matches!(
+                outlier_gate.look(&at(x), &none, surprises, gap, Some(GAP)),
+                GateDecision::Waits
+            )
         };
         assert!(look(0.05, 0.0, GAP) && !look(0.0, 0.0, 2.0 * GAP));
         assert!(look(0.05, 0.0, GAP) && !look(0.05, 0.0, 2.0 * GAP));
@@ -134,18 +137,18 @@ mod tests {
 
     #[test]
     fn turns_and_joints_are_doubted_alike() {
-        let mut doubt = Doubt::new(15);
+        let mut outlier_gate = OutlierGate::new(15);
         let mut bent = [[0.0; 2]; 15];
         bent[4][0] = 0.6;
         let mut look = |wrist: &Pose, surprises: [f64; 3], gap: f64| {
-            doubt.look(wrist, &bent, surprises, gap, Some(GAP))
+            outlier_gate.look(wrist, &bent, surprises, gap, Some(GAP))
         };
-        assert!(matches!(look(&at(0.0), [0.0, 0.0, 0.6], GAP), Verdict::Waits));
+        assert!(matches!(look(&at(0.0), [0.0, 0.0, 0.6], GAP), GateDecision::Waits));
         let after = look(&at(0.0), [0.0, 0.0, 0.6], 2.0 * GAP);
-        assert!(matches!(after, Verdict::BornOut(waiting) if waiting.gap == GAP));
+        assert!(matches!(after, GateDecision::BornOut(waiting) if waiting.gap == GAP));
         let turned = Pose::new(Vec3::zeros(), Quat::from_scaled_axis(Vec3::z() * 0.5));
-        assert!(matches!(look(&turned, [0.0, 0.5, 0.0], GAP), Verdict::Waits));
-        assert!(matches!(look(&at(0.0), [0.0; 3], 2.0 * GAP), Verdict::Taken));
+        assert!(matches!(look(&turned, [0.0, 0.5, 0.0], GAP), GateDecision::Waits));
+        assert!(matches!(look(&at(0.0), [0.0; 3], 2.0 * GAP), GateDecision::Taken));
     }
 
     /// Five centimetres of a fingertip are in doubt however long ago the last sample was: by the
@@ -157,8 +160,8 @@ mod tests {
             for k in 0..3 {
                 let mut surprises = [0.0; 3];
                 surprises[k] = [0.05, 0.05 / 0.17, 0.5][k];
-                let verdict = Doubt::new(15).look(&at(0.0), &none, surprises, gap, Some(gap));
-                assert!(matches!(verdict, Verdict::Waits), "{k} after {gap} s");
+                let verdict = OutlierGate::new(15).look(&at(0.0), &none, surprises, gap, Some(gap));
+                assert!(matches!(verdict, GateDecision::Waits), "{k} after {gap} s");
             }
         }
     }

@@ -1,12 +1,12 @@
 //! Data that cross from the haptic loop to the simulation; the way back is a
-//! [`SlowToFast`](crate::SlowToFast). Plain data of fixed size: the program around moves it through
+//! [`BoneFrame`](crate::BoneFrame). Plain data of fixed size: the program around moves it through
 //! latest-value slots, and neither side ever waits for the other.
 
 use crate::RigidState;
 
 /// States of the proxies: the targets of the simulated bones.
 #[derive(Clone, Debug)]
-pub struct FastToSlow {
+pub struct ProxyTargets {
     /// Time of the tick \[ns\].
     pub time_ns: u64,
     /// Haptic tick.
@@ -18,7 +18,7 @@ pub struct FastToSlow {
     pub free: Vec<RigidState>,
 }
 
-impl FastToSlow {
+impl ProxyTargets {
     /// Proxies at these states.
     pub fn new(proxies: &[RigidState]) -> Self {
         Self { time_ns: 0, tick: 0, proxies: proxies.to_vec(), free: proxies.to_vec() }

@@ -7,13 +7,13 @@ use thenar_scene::recording::{Event, Index, Replay, ReplayError};
 use thenar_scene::session::Session;
 
 /// Time for which damage is shown after it \[s\].
-const TOLD: f64 = 3.0;
+const DAMAGE_SHOWN: f64 = 3.0;
 /// So much early is there: times are rounded to nanoseconds \[s\].
 const EARLY: f64 = 5e-7;
 
 /// A recording, with all of its beginnings known.
 #[derive(Debug)]
-pub struct Deck {
+pub struct Player {
     replay: Replay,
     index: Index,
     /// Time in the recording of what the session shows \[s\].
@@ -25,7 +25,7 @@ pub struct Deck {
     failed: Option<String>,
 }
 
-impl Deck {
+impl Player {
     /// At the first scene, or where it is at `from` \[s\].
     ///
     /// # Errors
@@ -33,12 +33,12 @@ impl Deck {
     pub fn open(file: &Path, from: f64) -> Result<Self, PlaybackError> {
         let (index, replay) = (Index::of(file)?, Replay::open(file)?);
         index.reach(from)?;
-        let mut deck =
+        let mut player =
             Self { replay, index, at: 0.0, cost: Duration::ZERO, goal: None, failed: None };
-        deck.at = deck.replay.go_to(&deck.index, from - EARLY)?;
-        deck.session().ok_or(PlaybackError::Empty)?;
-        deck.goal = Some(from);
-        Ok(deck)
+        player.at = player.replay.go_to(&player.index, from - EARLY)?;
+        player.session().ok_or(PlaybackError::Empty)?;
+        player.goal = Some(from);
+        Ok(player)
     }
 
     /// The session as it is now; `None` when its scene cannot be made.
@@ -127,7 +127,7 @@ impl Deck {
             return Some(failed.clone());
         }
         let verdict = self.replay.verdict();
-        let near = |until: Option<f64>| until.is_none_or(|until| self.at - until < TOLD);
+        let near = |until: Option<f64>| until.is_none_or(|until| self.at - until < DAMAGE_SHOWN);
         let loss = verdict.losses.iter().rev().find(|loss| near(loss.until));
         let differs = verdict.first.map(|first| {
             let step = first.step;

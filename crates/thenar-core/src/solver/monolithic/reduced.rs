@@ -23,7 +23,7 @@ use std::ops::Range;
 /// Output of the responses; row-major, n bodies of six directions (linear, then angular, world), m
 /// rows of contacts.
 #[derive(Debug)]
-pub struct Answer<'a> {
+pub struct ReducedCompliance<'a> {
     /// 6n × 6n.
     pub bodies: &'a mut Vec<f64>,
     /// m × 6n.
@@ -36,15 +36,15 @@ impl Monolithic {
     /// Fills `to` with `h² K⁻¹`: displacements \[m, rad\] per force \[N, N m\], for the system of a
     /// step of `h`. Contacts come in the order returned. `None` when the system cannot be factored
     /// or the contacts are too many.
-    pub fn answer(
+    pub fn reduced_compliance(
         &mut self,
         step: &StepSystem<'_>,
         joints: &[JointBlock],
         (v, h): (&[Vec3], f64),
         chosen: &[u32],
         contacts: &ContactRows,
-        answering: Range<usize>,
-        to: &mut Answer<'_>,
+        body_range: Range<usize>,
+        to: &mut ReducedCompliance<'_>,
     ) -> Option<&[u32]> {
         if !self.factor_for(step, joints, v, h) {
             return None;
@@ -57,7 +57,7 @@ impl Monolithic {
         }
         delassus.extend(&system, coarse, direct, contacts);
 
-        let (n, m) = (6 * answering.len(), 3 * delassus.members().len());
+        let (n, m) = (6 * body_range.len(), 3 * delassus.members().len());
         let square = h * h;
         to.contacts.clear();
         for row in 0..m {
@@ -66,7 +66,7 @@ impl Monolithic {
         to.lift.clear();
         to.lift.resize(m * n, 0.0);
         to.bodies.clear();
-        for (k, body) in answering.clone().enumerate() {
+        for (k, body) in body_range.clone().enumerate() {
             for direction in 0..6 {
                 x.u.fill(0.0);
                 if let Some(group) = bodies.group_of_body(body) {
@@ -79,7 +79,7 @@ impl Monolithic {
                     column.zip(&*pulled).for_each(|(to, pulled)| *to = square * pulled);
                     small_cholesky::backward(factor, dofs.len(), &mut u[dofs]);
                 }
-                for other in answering.clone() {
+                for other in body_range.clone() {
                     let mut motion = [0.0; 6];
                     for (dof, c) in bodies.columns(other) {
                         (0..6).for_each(|r| motion[r] += c[r] * x.u[dof]);
@@ -91,8 +91,9 @@ impl Monolithic {
         Some(self.delassus.members())
     }
 
-    /// The solution `K v = b` of the system that `answer` has just factored, to this accuracy.
-    pub fn solve_answered(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy, v: &mut [Vec3]) {
+    /// The solution `K v = b` of the system that `reduced_compliance` has just factored, to this
+    /// accuracy.
+    pub fn solve_factored(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy, v: &mut [Vec3]) {
         let Self { bodies, carried, springs, split, coarse, direct, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         x.clear();

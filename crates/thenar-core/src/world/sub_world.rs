@@ -9,7 +9,7 @@ use std::ops::Range;
 /// A hand taken out of its world. It has the state that it had there, and goes its own way from
 /// then on.
 #[derive(Clone, Debug)]
-pub struct Alone {
+pub struct SubWorld {
     world: World,
     /// Bones of the hand among the rigid bodies of the whole world.
     bones: Range<usize>,
@@ -27,21 +27,24 @@ impl World {
     ///
     /// # Errors
     /// The bones are no world: some of what their description refers to is elsewhere.
-    pub fn alone(&self, bones: Range<u32>) -> Result<Alone, ModelError> {
-        let (desc, bones, joints, softs) = self.parts_alone(bones);
+    pub fn sub_world(&self, bones: Range<u32>) -> Result<SubWorld, ModelError> {
+        let (desc, bones, joints, softs) = self.sub_description(bones);
         let model = &self.model;
         let nodes = softs.iter().map(|&s| model.soft_nodes[s].clone()).collect();
         let tets = softs.iter().map(|&s| model.soft_tets[s].clone());
         let faded = tets.map(|tets| model.flesh.memory.span(tets)).collect();
-        let mut alone = Alone { world: World::new(desc)?, bones, joints, nodes, faded };
-        alone.resume(&self.state);
-        Ok(alone)
+        let mut sub_world = SubWorld { world: World::new(desc)?, bones, joints, nodes, faded };
+        sub_world.resume(&self.state);
+        Ok(sub_world)
     }
 
     /// The description of the hand of these bones alone; which rigid bodies, joints and soft bodies
     /// it has.
-    #[allow(clippy::type_complexity)] // what `alone` takes apart, and nothing else
-    fn parts_alone(&self, bones: Range<u32>) -> (WorldDesc, Range<usize>, Vec<usize>, Vec<usize>) {
+    #[allow(clippy::type_complexity)] // what `sub_world` takes apart, and nothing else
+    fn sub_description(
+        &self,
+        bones: Range<u32>,
+    ) -> (WorldDesc, Range<usize>, Vec<usize>, Vec<usize>) {
         let end = (bones.end as usize).min(self.desc.rigids.len());
         let bones = (bones.start as usize).min(end)..end;
         let first = bones.start as u32;
@@ -121,7 +124,7 @@ fn bound_anew(soft: &SoftDesc, first: u32) -> SoftDesc {
     soft
 }
 
-impl Alone {
+impl SubWorld {
     /// Goes on from where the hand is in a state of the whole world. Allocates nothing.
     pub fn resume(&mut self, whole: &State) {
         let Self { world, bones, joints, nodes, faded } = self;
@@ -156,7 +159,7 @@ impl Alone {
     /// The whole world is another one by now.
     pub fn retune(&mut self, whole: &World) -> Result<(), ModelError> {
         let bones = self.bones.start as u32..self.bones.end as u32;
-        let (desc, _, _, softs) = whole.parts_alone(bones);
+        let (desc, _, _, softs) = whole.sub_description(bones);
         self.world.retune(desc)?;
         let tets = softs.iter().map(|&s| whole.model.soft_tets[s].clone());
         self.faded = tets.map(|tets| whole.model.flesh.memory.span(tets)).collect();
@@ -229,14 +232,14 @@ mod tests {
             crate::condensed::RigidState::at_rest(Pose::translation(1.0, 0.1, 0.0)).target();
         input.targets[1] = Some(target);
         whole.step(&input, &mut ());
-        let mut alone = whole.alone(1..2).unwrap();
-        let mut own = alone.input();
+        let mut sub_world = whole.sub_world(1..2).unwrap();
+        let mut own = sub_world.input();
         own.targets[0] = Some(target);
         for _ in 0..100 {
             whole.step(&input, &mut ());
-            alone.step(1e-3, &own);
+            sub_world.step(1e-3, &own);
         }
-        let (there, here) = (whole.rigid_pose(1), alone.world().rigid_pose(0));
+        let (there, here) = (whole.rigid_pose(1), sub_world.world().rigid_pose(0));
         assert!((there.position - here.position).norm() < 1e-12);
         assert!(there.rotation.angle_to(&here.rotation) < 1e-9);
         assert!(!whole.is_touched(1..2));

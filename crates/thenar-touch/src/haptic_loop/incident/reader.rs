@@ -1,26 +1,26 @@
 //! The monitor's part: the last seconds of what entered.
 
-use super::tape::{Input, STATE_ROOM, SampleIn};
+use super::writer::{Input, RecordedSample, STATE_ROOM};
 use super::{Frames, Incident, KEPT_NS};
-use crate::haptic_loop::{Ability, TickRecord};
+use crate::haptic_loop::{Capability, TickRecord};
 use rtrb::{Consumer, Producer};
 use std::collections::{HashSet, VecDeque};
 
 /// Inputs and states of the last seconds, oldest first. Begins with a state, or is empty.
-pub struct Reel {
+pub struct IncidentReader {
     inputs: Consumer<Input>,
-    samples: Consumer<SampleIn>,
+    samples: Consumer<RecordedSample>,
     filled: Consumer<Vec<u8>>,
     empty: Producer<Vec<u8>>,
     kept: VecDeque<Input>,
-    kept_samples: VecDeque<SampleIn>,
+    kept_samples: VecDeque<RecordedSample>,
     states: VecDeque<Vec<u8>>,
 }
 
-impl Reel {
+impl IncidentReader {
     pub(super) fn new(
         inputs: Consumer<Input>,
-        samples: Consumer<SampleIn>,
+        samples: Consumer<RecordedSample>,
         filled: Consumer<Vec<u8>>,
         empty: Producer<Vec<u8>>,
     ) -> Self {
@@ -29,7 +29,7 @@ impl Reel {
     }
 
     /// Takes in what has come.
-    pub fn wind(&mut self) {
+    pub fn drain(&mut self) {
         while let Ok(input) = self.inputs.pop() {
             match input {
                 Input::Begin => self.clear(),
@@ -91,7 +91,7 @@ impl Reel {
     pub fn incident(
         &self,
         reason: &str,
-        displays: &[Ability],
+        displays: &[Capability],
         frames: &Frames,
         records: &[TickRecord],
     ) -> Option<Incident> {
@@ -150,7 +150,7 @@ fn is_sample(input: &Input) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tape::Tape;
+    use super::super::writer::IncidentWriter;
     use super::*;
     use crate::{HandSample, TrackerTiming};
     use thenar_core::model::Side;
@@ -159,7 +159,7 @@ mod tests {
     /// Ticks this far apart make a state every few of them \[ns\].
     const TICK_NS: u64 = 130_000_000;
 
-    impl Reel {
+    impl IncidentReader {
         /// Each input that names a state or a sample has the one that it names, and none between
         /// the first and the last sample is missing.
         fn is_in_step(&self) -> bool {
@@ -183,15 +183,20 @@ mod tests {
 
     /// One tick of a loop with up to three samples, each with its number for a time and for what
     /// its tracker states.
-    fn tick(tape: &mut Tape, random: &mut Random, now_ns: u64, number: &mut u64) {
+    fn tick(
+        incident_writer: &mut IncidentWriter,
+        random: &mut Random,
+        now_ns: u64,
+        number: &mut u64,
+    ) {
         for _ in 0..random.bits() % 4 {
             *number += 1;
             let sample = HandSample { side: Side::Right, time_ns: *number, pose: None };
             let stated = TrackerTiming { rate: 90.0, latency: *number as f64, noise: 0.0 };
-            tape.sample(0, &sample, Some(stated));
+            incident_writer.sample(0, &sample, Some(stated));
         }
-        tape.input(Input::Tick(now_ns, true));
-        tape.state(now_ns, |room| {
+        incident_writer.input(Input::Tick(now_ns, true));
+        incident_writer.state(now_ns, |room| {
             room[..8].copy_from_slice(&now_ns.to_le_bytes());
             Some(8)
         });
@@ -206,15 +211,16 @@ mod tests {
         for seed in 1..=60 {
             let mut random = Random::new(seed);
             let room = [20, 8].map(|least| least + (random.bits() % 40) as usize);
-            let (mut tape, mut reel) = Tape::with_room(room[0], room[1]);
+            let (mut incident_writer, mut incident_reader) =
+                IncidentWriter::with_room(room[0], room[1]);
             let (mut now_ns, mut number) = (0, 0);
             for _ in 0..400 {
                 now_ns += TICK_NS;
-                tick(&mut tape, &mut random, now_ns, &mut number);
+                tick(&mut incident_writer, &mut random, now_ns, &mut number);
                 if random.range(0.0, 1.0) < 0.08 {
-                    reel.wind();
-                    assert!(reel.is_in_step(), "seed {seed}, {now_ns} ns");
-                    let newest = reel.kept.iter().rev().find_map(|input| match input {
+                    incident_reader.drain();
+                    assert!(incident_reader.is_in_step(), "seed {seed}, {now_ns} ns");
+                    let newest = incident_reader.kept.iter().rev().find_map(|input| match input {
                         Input::Tick(time_ns, _) => Some(*time_ns),
                         _ => None,
                     });
@@ -223,11 +229,11 @@ mod tests {
             }
             for _ in 0..40 {
                 now_ns += TICK_NS;
-                tick(&mut tape, &mut random, now_ns, &mut number);
-                reel.wind();
-                assert!(reel.is_in_step(), "seed {seed}, {now_ns} ns");
+                tick(&mut incident_writer, &mut random, now_ns, &mut number);
+                incident_reader.drain();
+                assert!(incident_reader.is_in_step(), "seed {seed}, {now_ns} ns");
             }
-            assert!(!reel.states.is_empty(), "seed {seed}: nothing is kept again");
+            assert!(!incident_reader.states.is_empty(), "seed {seed}: nothing is kept again");
         }
         assert!(lost > 100, "rings overflowed {lost} times");
     }
