@@ -182,7 +182,7 @@ impl Scheme for MonolithicScheme<'_> {
         if self.tolerance == Tolerance::BestEffort {
             let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
             scratch.islands.begin(&scratch.rows);
-            self.monolithic.calm(&step, &mut scratch.islands, &mut state.v);
+            self.monolithic.limit_energy(&step, &mut scratch.islands, &mut state.v);
             response::scale_impulses(model, h, state, scratch);
         }
         Ok(())
