@@ -170,6 +170,13 @@ impl Opposition {
         self.spacing * (i as f64 - 0.5 * (self.fingers.len() as f64 - 1.0))
     }
 
+    /// Sense about the line from base to fingers in which the row of fingers turns when the little
+    /// finger goes to the palm's side: 1 in a right hand, -1 in a left one, its mirror image.
+    pub fn turn(&self) -> f64 {
+        let span = &self.spans[0];
+        -span.axis.cross(&span.across).y.signum()
+    }
+
     /// Names of what opposes and of the fingers, for messages.
     pub fn sides(&self) -> [&'static str; 2] {
         let base = if self.kind.has_thumb() { "thumb" } else { "palm" };

@@ -24,7 +24,8 @@ const FACES: f64 = 0.5;
 /// Least cosine of a finger that gathers: 75°. It presses half way between the line and its normal,
 /// 38° off that, the cone of friction of dry skin.
 const GATHERS: f64 = 0.26;
-/// Turns of the row of fingers that are tried \[degrees\]: along a thing that is too narrow across.
+/// Turns of the row of fingers that are tried \[degrees\], first those that take the little finger
+/// to the palm's side, with either hand: along a thing that is too narrow across.
 const TURNS_DEG: [f64; 5] = [0.0, 35.0, -35.0, 70.0, -70.0];
 /// The surface goes on where it does so for this part of a pad's radius.
 const EDGE: f64 = 0.25;
@@ -58,7 +59,7 @@ impl Ground<'_> {
         let mut most = [None; PADS_MAX];
         for turn_deg in TURNS_DEG {
             let (sin, cos) = f64::to_radians(turn_deg).sin_cos();
-            let across = across * cos + self.way.cross(&across) * sin;
+            let across = across * cos + self.way.cross(&across) * (self.opposition.turn() * sin);
             let mut places = [None; PADS_MAX];
             for (i, place) in places.iter_mut().enumerate().take(count) {
                 *place = self.in_line(&across, i);

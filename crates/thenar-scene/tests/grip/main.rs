@@ -6,5 +6,6 @@ mod ask;
 mod bits;
 mod hook;
 mod lateral;
+mod mirror;
 mod shapes;
 mod stage;

@@ -56,10 +56,10 @@ impl Stage {
         }
     }
 
-    fn hand(&self) -> String {
+    fn hand(&self, model: &str) -> String {
         format!(
-            "[[hand]]\nname = \"hand\"\npreset = \"{}\"\nmodel = \"{}\"\nfriction = {}\n",
-            self.preset, self.side, self.friction
+            "[[hand]]\nname = \"hand\"\npreset = \"{}\"\nmodel = '{model}'\nfriction = {}\n",
+            self.preset, self.friction
         )
     }
 
@@ -67,7 +67,7 @@ impl Stage {
     pub fn middle(&self) -> Vec3 {
         let key = "[hand.motion]\nkind = \"keyframes\"\n[[hand.motion.key]]\ntime = 0\npose = \"rest\"\n\
                    wrist = { position = [0, 0, 0], fingers = [0, 0, -1], back = [0, 1, 0] }\n";
-        let text = format!("version = 1\n{}{key}", self.hand());
+        let text = format!("version = 1\n{}{key}", self.hand(self.side));
         let session = open(&text);
         let hand = &session.hands()[0];
         let mut gripping = GripHand::new(hand).expect("a hand that grips");
@@ -78,22 +78,31 @@ impl Stage {
 
     /// The scene's text: sets out at 0.1 s, lifts from 2 to 2.8 s, holds until 4.5 s.
     pub fn text(&self) -> String {
-        let grip = format!(
-            "[[hand.grip]]\nobject = \"thing\"\nkind = \"{}\"\nforce = {}\nat = 0.1\n{}\n",
-            self.kind.name(),
-            self.force,
-            self.more
-        );
-        self.text_with(&grip)
+        self.text_with(&self.grip(), self.side, -self.middle())
     }
 
     /// The same with nothing to grip it.
     pub fn text_without_grip(&self) -> String {
-        self.text_with("")
+        self.text_with("", self.side, -self.middle())
     }
 
-    fn text_with(&self, grip: &str) -> String {
+    /// The mirror image in the plane x = 0, for a thing that is its own, with the hand of a file.
+    pub fn text_mirrored(&self, model: &Path) -> String {
         let at = -self.middle();
+        self.text_with(&self.grip(), &model.to_string_lossy(), Vec3::new(-at.x, at.y, at.z))
+    }
+
+    fn grip(&self) -> String {
+        format!(
+            "[[hand.grip]]\nobject = \"thing\"\nkind = \"{}\"\nforce = {}\nat = 0.1\n{}\n",
+            self.kind.name(),
+            self.force,
+            self.more
+        )
+    }
+
+    /// The scene's text with a grip, a hand, and where its wrist begins [m].
+    fn text_with(&self, grip: &str, model: &str, at: Vec3) -> String {
         let low = -0.5 * self.size[1];
         let key = |(t, y): (f64, f64)| {
             let [x, y, z] = [at.x, at.y + self.drop + y, at.z];
@@ -104,7 +113,7 @@ impl Stage {
         };
         let keys = [(0.0, 0.0), (2.0, 0.0), (2.8, 0.1), (4.5, 0.1)].map(key).concat();
         let (h, peg, object, friction) = (self.h, low - 0.01, &self.object, self.friction);
-        let hand = self.hand();
+        let hand = self.hand(model);
         format!(
             "version = 1\ntime_step = {h}\nduration = 4.5\n\
              [[rigid]]\nname = \"peg\"\nshape = {{ kind = \"box\", size = [0.012, 0.02, 0.012] }}\n\

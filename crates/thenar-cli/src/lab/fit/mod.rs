@@ -10,7 +10,7 @@ mod unknowns;
 
 use crate::error::CliError;
 use crate::interrupt;
-use crate::run::{Found, find};
+use crate::run::{SceneLocation, find};
 use assess::{Assessment, Parameter, assess};
 use bench::{Bench, Finger};
 use data::PressData;
@@ -170,11 +170,11 @@ fn bench(args: &Args) -> Result<Bench, CliError> {
         return Bench::new(PRESS.into(), PRESS_FILE.into(), &args.set, None, Some(finger), rate);
     };
     let (text, file) = match find(scene)? {
-        Found::File(path) => {
+        SceneLocation::File(path) => {
             thenar_output::protect(&path);
             (thenar_scene::session::read_scene(&path)?, path)
         }
-        Found::Builtin(known) => (known.text.to_string(), crate::run::file(scene)?),
+        SceneLocation::Builtin(known) => (known.text.to_string(), crate::run::file(scene)?),
     };
     Bench::new(text, file, &args.set, args.body.as_deref(), None, rate)
 }

@@ -87,11 +87,11 @@ pub fn force_and_area(run: &mut Run, plate: &Plate) -> Result<(f64, f64), CaseEr
 }
 
 type Key = (bool, HandVariant, u32);
-type Found = Arc<OnceLock<Result<Arc<Curve>, CaseError>>>;
+type CurveCell = Arc<OnceLock<Result<Arc<Curve>, CaseError>>>;
 
 /// The press of an index pad at an angle \[degrees\], computed when it is first asked for.
 pub fn pressed(solver: Solver, hand: HandVariant, angle_deg: u32) -> Result<Arc<Curve>, CaseError> {
-    static CURVES: Mutex<BTreeMap<Key, Found>> = Mutex::new(BTreeMap::new());
+    static CURVES: Mutex<BTreeMap<Key, CurveCell>> = Mutex::new(BTreeMap::new());
     let cell = {
         let mut curves = CURVES.lock().unwrap_or_else(PoisonError::into_inner);
         Arc::clone(curves.entry((solver == Solver::Monolithic, hand, angle_deg)).or_default())
