@@ -12,6 +12,7 @@ mod foresight;
 mod freedoms;
 mod friction;
 mod hash;
+mod in_parts;
 mod io;
 mod joint_tree;
 mod keep_momentum;
@@ -55,7 +56,7 @@ use crate::math::{Pose, Vec3};
 use crate::model::{SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use check::is_time_step;
-use parts::{StepPart, StepParts};
+use parts::StepPart;
 use readout::Readout;
 use scheme::Solver;
 use state::Scratch;
@@ -124,50 +125,15 @@ impl World {
     /// # Panics
     /// When a list of `input` is shorter than [`World::input`] makes it.
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
-        let mut report = StepReport::default();
-        let mut parts = StepParts::whole(self.time_step, self.desc.solver.step_halvings_max);
+        let end = self.state.time + self.time_step;
         self.readout.lend(&mut self.scratch);
         self.solver.begin_step(self.desc.solver.contact_work_max);
-        let mut unforeseen = 0;
-        let (mut length, end) = (self.time_step, self.state.time + self.time_step);
-        while let Some(part) = parts.next() {
-            self.remember_for(length, part.h);
-            length = part.h;
-            let mut done = self.make(part, input, timer);
-            timer.begin(Some(Stage::Detect));
-            let foreseen = self.flesh_was_foreseen(part, &done);
-            let gained_nothing = self.flesh_gained_nothing(part, &done);
-            let carried = self.was_carried(&mut done);
-            let again = match (carried, gained_nothing, foreseen) {
-                (false, ..) => parts.retry(self.reach()),
-                (true, false, _) => parts.retry(0.0),
-                (true, true, false) => parts.retry_flesh(),
-                (true, true, true) => false,
-            };
-            if again {
-                unforeseen += u32::from(!(foreseen && gained_nothing));
-                // Sides are swapped only when a part is accepted.
-                self.state.copy_motion(&self.scratch.before);
-                continue;
-            }
-            if !foreseen && !done.non_finite {
-                self.cut_flesh_short(part);
-            }
-            debug_assert_eq!(self.validate_led(part, input, &done), Ok(()), "a part of a step");
-            std::mem::swap(&mut self.state.sides, &mut self.scratch.sides);
-            if !done.taken_back {
-                let Self { model, state, scratch, .. } = self;
-                model.flesh.relax(&scratch.before.x, &state.x, part.h, &mut state.faded);
-            }
-            parts.accept();
-            report = done.after(&report);
-        }
-        self.remember_for(length, self.time_step);
+        let mut report = self.make_in_parts(input, timer);
+        report.contact_cut_short = self.solver.was_cut_short();
         if !report.taken_back {
             self.state.time = end;
         }
-        report.flesh_retries = unforeseen;
-        report.contact_cut_short = self.solver.was_cut_short();
+
         timer.begin(Some(Stage::Embed));
         let Self { model, state, .. } = self;
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
