@@ -34,7 +34,7 @@ impl Speedometer {
         Self { since: now, passed: 0.0, reached: None }
     }
 
-    /// So many seconds more have passed by now.
+    /// Counts seconds more that have passed by now.
     pub fn pass(&mut self, seconds: f64, now: Instant) {
         self.passed += seconds;
         let real = now.saturating_duration_since(self.since);

@@ -3,9 +3,9 @@
 //! First the monolithic solver again, as far as it comes (the equations that it could not solve to
 //! tolerance, the contacts that it had room for). Then, where its system has no solution at all,
 //! the two-step scheme with flesh that yields. Either way the velocities found are shortened until
-//! the step brings in no energy (`Monolithic::limit_energy`), so that steps that fail one after the other
-//! cannot build up motion. When neither works [`World::step`](crate::world::World::step) puts all
-//! to rest where it is.
+//! the step brings in no energy (`Monolithic::limit_energy`), so that steps that fail one after the
+//! other cannot build up motion. When neither works [`World::step`](crate::world::World::step) puts
+//! all to rest where it is.
 
 use crate::model::SolverSettings;
 use crate::solver::Failure;

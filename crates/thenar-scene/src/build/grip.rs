@@ -35,7 +35,7 @@ fn grips(
     let Some(flesh) = hand.flesh() else {
         return Err(first.fault("a hand with `flesh = false` touches nothing, and grips nothing"));
     };
-    let mut gripping = GripHand::new(hand).map_err(|e| first.fault(e))?;
+    let mut gripping = GripHand::new(hand, built.world.rigids.len()).map_err(|e| first.fault(e))?;
     let mut free_from = Some(0.0);
     for grip in &table.grip {
         let GripTable { object, kind, force, at, open } = &grip.value;

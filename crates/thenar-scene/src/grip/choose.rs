@@ -113,10 +113,12 @@ pub struct Scratch {
     near: Vec<(BodyId, f64)>,
 }
 
-impl Default for Scratch {
-    fn default() -> Self {
+impl Scratch {
+    /// Memory for a world of `bodies` rigid bodies.
+    pub fn for_bodies(bodies: usize) -> Self {
         let samples = Vec::with_capacity(super::surface::SAMPLES_MAX);
-        Self { samples, best: Vec::with_capacity(TRIED + 1), near: Vec::new() }
+        let (best, near) = (Vec::with_capacity(TRIED + 1), Vec::with_capacity(bodies));
+        Self { samples, best, near }
     }
 }
 
@@ -246,7 +248,8 @@ fn fast_by_distance(world: &World, object: BodyId, from: &Vec3, near: &mut Vec<(
         .map(|(_, i)| BodyId::Rigid(i))
         .filter(|body| *body != object);
     near.extend(fast.map(|body| (body, clearance(world, body, from))));
-    near.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // Stable sorts allocate.
+    near.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
 }
 
 /// Bodies of a list by distance that can be within `way` of where distances are from: no distance

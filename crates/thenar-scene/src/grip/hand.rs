@@ -70,11 +70,11 @@ pub struct GripState {
 }
 
 impl GripHand {
-    /// A hand without grips.
+    /// A hand without grips, in a world of `bodies` rigid bodies.
     ///
     /// # Errors
     /// Joints are no tree; says why.
-    pub fn new(hand: &BuiltHand) -> Result<Self, String> {
+    pub fn new(hand: &BuiltHand, bodies: usize) -> Result<Self, String> {
         let articulation = Articulation::new(&hand.model).map_err(|e| e.to_string())?;
         let (bones, joints) = (articulation.tree.bones(), articulation.tree.joints());
         let memory = GripMemory { script: Vec::with_capacity(joints), ..GripMemory::default() };
@@ -83,7 +83,7 @@ impl GripHand {
             oppositions: Default::default(),
             orders: Vec::new(),
             memory,
-            scratch: Scratch::default(),
+            scratch: Scratch::for_bodies(bodies),
             poses: vec![Pose::identity(); bones],
             script: vec![[0.0; 2]; joints],
             script_rates: vec![[0.0; 2]; joints],

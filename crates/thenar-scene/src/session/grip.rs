@@ -268,7 +268,8 @@ impl Session {
         };
         let place = &mut self.grips[hand];
         if place.is_none() {
-            *place = Some(Box::new(GripHand::new(built).map_err(unfit)?));
+            let bodies = self.world.desc().rigids.len();
+            *place = Some(Box::new(GripHand::new(built, bodies).map_err(unfit)?));
         }
         if let Some(gripping) = place {
             gripping.learn(built, kind).map_err(unfit)?;

@@ -209,7 +209,8 @@ fn a_hand_that_is_moved_live_leaves_the_grips_of_the_scene() {
 fn pads_that_end_short_are_told_with_their_digit() {
     let session = open(&ball().text_without_grip());
     let hand = &session.hands()[0];
-    let mut gripping = GripHand::new(hand).expect("a hand that grips");
+    let bodies = session.world().desc().rigids.len();
+    let mut gripping = GripHand::new(hand, bodies).expect("a hand that grips");
     gripping.learn(hand, GripKind::Power).expect("a kind");
     let opposition = gripping.opposition(GripKind::Power).expect("learnt");
     let told = |trouble: Trouble| trouble.sentence(opposition, "loaf", 2.0);

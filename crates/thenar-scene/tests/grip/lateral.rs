@@ -49,7 +49,8 @@ impl Key {
         let text = format!("version = 1\n{}", self.hand("", &Pose::identity()));
         let session = open(&text);
         let hand = &session.hands()[0];
-        let mut gripping = GripHand::new(hand).expect("a hand that grips");
+        let bodies = session.world().desc().rigids.len();
+        let mut gripping = GripHand::new(hand, bodies).expect("a hand that grips");
         gripping.learn(hand, GripKind::Lateral).expect("a kind");
         let pads = gripping.opposition(GripKind::Lateral).expect("learnt");
         let palm = session.world().rigid_pose(hand.handle.bones.start);

@@ -70,7 +70,8 @@ impl Stage {
         let text = format!("version = 1\n{}{key}", self.hand(self.side));
         let session = open(&text);
         let hand = &session.hands()[0];
-        let mut gripping = GripHand::new(hand).expect("a hand that grips");
+        let bodies = session.world().desc().rigids.len();
+        let mut gripping = GripHand::new(hand, bodies).expect("a hand that grips");
         gripping.learn(hand, self.kind).expect("a kind");
         let palm = session.world().rigid_pose(hand.handle.bones.start);
         pads_middle_at(&palm, gripping.opposition(self.kind).expect("learnt"), self.size[0])
