@@ -112,7 +112,7 @@ fn hands_endure() {
         bodies::hand(&bytes)
     };
     let moved = endures("hand's numbers", 60, &[numbers.to_vec()], whole);
-    assert!(moved > 3, "{moved}");
+    assert!(moved > 1, "{moved}");
 }
 
 /// Triangles without extent, vertices all at one place, all in one plane, all on a line.

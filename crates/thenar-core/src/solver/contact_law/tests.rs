@@ -203,7 +203,7 @@ fn round_off_makes_no_response_definite() {
 fn what_obeys_the_law_is_left_as_it_is() {
     let mut random = Random::new(29);
     let mut slides_or_sticks = 0;
-    for case in 0..60_000 {
+    for case in 0..20_000 {
         let (W, mu) = (lever(&mut random), random.range(0.05, 1.5));
         let response = Response::new(&W);
         let mut b = random.vector(1.0);
@@ -221,7 +221,7 @@ fn what_obeys_the_law_is_left_as_it_is() {
             assert!(off < 1e-7, "case {case}: {off} m/s, W {W}, b {b}, friction {mu}");
         }
     }
-    assert!(slides_or_sticks > 20, "{slides_or_sticks}");
+    assert!(slides_or_sticks > 5, "{slides_or_sticks}");
 }
 
 /// Below the threshold visits from anywhere find the same impulse.
