@@ -10,7 +10,7 @@ fn ball(solver: &str) -> String {
     format!(
         "version = 1\ntime_step = 0.005\n[solver]\nkind = \"{solver}\"\n\
          [[rigid]]\nname = \"ball\"\nposition = [0, 1, 0]\n\
-         shape = {{ kind = \"sphere\", radius = 0.05 }}\n"
+         mass = 0.1\nshape = {{ kind = \"sphere\", radius = 0.05 }}\n"
     )
 }
 
