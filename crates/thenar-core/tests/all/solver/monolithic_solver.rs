@@ -208,8 +208,8 @@ fn the_tolerance_is_honoured() {
                     let error = difference(&world, &dense);
                     let case = format!("{name}, kappa {kappa:.0e}, h {h}, asked {tolerance:.0e}");
                     assert!(!report.fell_back && !report.non_finite, "{case}: {report:?}");
-                    // An iteration that ends after a round or two has not yet seen by how much rounds
-                    // make its error less, and is off by up to ten times as much.
+                    // An iteration that ends after a round or two has not yet seen by how much
+                    // rounds make its error less, and is off by up to ten times as much.
                     let most = if decade == 2 { 10.0 * tolerance } else { tolerance };
                     assert!(error < most, "{case}: {error}");
                 }
