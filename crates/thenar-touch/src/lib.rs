@@ -17,7 +17,7 @@
 //! ```
 //! use thenar_touch::safety::{Guard, Limits, Signal};
 //! use thenar_touch::{
-//!     CouplingDesign, FastToSlow, HandSettings, HapticHand, Pad, RigidState, SlowToFast, Touch,
+//!     BoneFrame, CouplingDesign, HandSettings, HapticHand, Pad, ProxyTargets, RigidState, Touch,
 //! };
 //! use thenar_core::model::Digit;
 //! use thenar_core::{Mat3, Pose, Vec3};
@@ -29,7 +29,7 @@
 //! let mut pad = Pad::new(Digit::Index, 0, Vec3::z() * -0.01);
 //! let mut guard = Guard::<1>::new(Limits::cybergrasp(), 4000)?;
 //! guard.arm();
-//! let (mut frame, mut back) = (SlowToFast::new(&start, 0), FastToSlow::new(&start));
+//! let (mut frame, mut back) = (BoneFrame::new(&start, 0), ProxyTargets::new(&start));
 //!
 //! let mut force = [0.0];
 //! for ms in 1..=3000u64 {
@@ -39,7 +39,7 @@
 //!     hand.lead(0, RigidState::at_rest(Pose::translation(0.0, -down, 0.0)));
 //!     frame.time_ns = now_ns;                      // from the simulation's slot
 //!     let report = hand.tick(now_ns, &frame);
-//!     hand.write_targets(now_ns, &mut back);             // to the simulation's slot
+//!     hand.write_targets(now_ns, &mut back);       // to the simulation's slot
 //!     let reading = pad.read(&hand, report.step);
 //!     force = guard.tick(now_ns, &Signal {
 //!         force: [reading.pad_force],
