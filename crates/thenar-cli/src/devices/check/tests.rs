@@ -3,14 +3,18 @@
 use super::facts::{Facts, Port};
 use super::findings::{Finding, judge};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A machine's files, in a folder of their own.
 struct Machine(PathBuf);
 
 impl Machine {
     fn new(name: &str, files: &[(&str, &str)]) -> Self {
-        let root =
-            std::env::temp_dir().join(format!("thenar-machine-{name}-{}", std::process::id()));
+        // Tests beside each other make machines of one name.
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let folder = format!("thenar-machine-{name}-{}-{count}", std::process::id());
+        let root = std::env::temp_dir().join(folder);
         for (path, text) in files {
             let path = root.join(path);
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();

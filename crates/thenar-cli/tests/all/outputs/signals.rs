@@ -1,13 +1,23 @@
 //! Signals at any moment.
 
 use super::{names, stocked};
-use std::process::Stdio;
+use std::os::unix::process::CommandExt;
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 /// Delays from the start of the process \[ms\]: dense while scenes are built and files begun.
 fn delays() -> impl Iterator<Item = u64> {
     (0..60).step_by(4).chain((60..=300).step_by(20))
+}
+
+/// Makes a program end at a hangup even where tests run under `nohup`, whose children ignore it.
+#[allow(unsafe_code)] // the child sets its own signal, which is safe between fork and exec
+fn hears_hangups(command: &mut Command) -> &mut Command {
+    use nix::sys::signal::{SigHandler, Signal, signal};
+    let reset =
+        || unsafe { signal(Signal::SIGHUP, SigHandler::SigDfl) }.map(|_| ()).map_err(Into::into);
+    unsafe { command.pre_exec(reset) }
 }
 
 /// Sends a signal, and another one at once or never; what is left must have its final name.
@@ -19,12 +29,13 @@ fn check(command: &[&str], signals: &[&str]) {
     let stock = names(&folder.0);
     for delay in delays() {
         let mut child = folder.command(command);
-        let mut child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let mut child =
+            hears_hangups(&mut child).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(delay));
         let id = child.id().to_string();
         for signal in signals {
             // It may have ended already.
-            let kill = std::process::Command::new("kill").args([*signal, id.as_str()]).output();
+            let kill = Command::new("kill").args([*signal, id.as_str()]).output();
             assert!(kill.is_ok());
         }
         child.wait().unwrap();
@@ -79,11 +90,11 @@ fn a_run_under_nohup_outlasts_its_terminal() {
     let script = format!(
         "trap '' HUP; exec '{program}' run falling-box --seconds 100000 -q --report r.json"
     );
-    let mut command = std::process::Command::new("sh");
+    let mut command = Command::new("sh");
     let mut child = command.args(["-c", &script]).current_dir(&folder.0).spawn().unwrap();
     let signal = |name: &str| {
         let id = child.id().to_string();
-        assert!(std::process::Command::new("kill").args([name, &id]).status().unwrap().success());
+        assert!(Command::new("kill").args([name, &id]).status().unwrap().success());
     };
     crate::stage::wait_for_name(&folder.0, ".part");
     signal("-HUP");
