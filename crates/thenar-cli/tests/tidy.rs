@@ -6,6 +6,8 @@ mod book;
 mod commits;
 #[path = "tidy/glossary.rs"]
 mod glossary;
+#[path = "tidy/merged.rs"]
+mod merged;
 
 use std::path::{Path, PathBuf};
 
