@@ -114,6 +114,7 @@ pub enum FleshInStep1 {
 
 /// Solver that steps the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SolverKind {
     /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal
     /// coordinates, flesh relative to its skinned motion.
@@ -121,8 +122,9 @@ pub enum SolverKind {
     /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
     TwoStep,
     /// Eq. 9 with its joint rows and contacts in one dense solve, which allocates and costs the
-    /// cube of the unknowns: what tests and `thenar validate` measure the others against. No scene
-    /// or setting chooses it.
+    /// cube of the unknowns: the solver that tests measure the others against. Only builds with the
+    /// feature `reference` have it.
+    #[cfg(any(test, feature = "reference"))]
     DenseReference,
 }
 

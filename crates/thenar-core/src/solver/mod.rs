@@ -11,6 +11,7 @@ mod conjugate_gradients;
 mod contact_law;
 mod contact_rows;
 mod dense;
+#[cfg(any(test, feature = "reference"))]
 mod dense_reference;
 mod diagonal;
 mod failure;
@@ -28,6 +29,7 @@ pub(crate) use contact_law::is_on_rim;
 pub use contact_law::project;
 pub use contact_rows::{ContactRow, ContactRows, TURN_LEVER};
 pub use dense::DenseLu;
+#[cfg(any(test, feature = "reference"))]
 pub use dense_reference::DenseSystem;
 pub use diagonal::BlockDiagonal;
 pub use failure::Failure;

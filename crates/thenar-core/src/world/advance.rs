@@ -21,6 +21,7 @@ pub fn advance(
 ) {
     match solver {
         Solver::TwoStep => move_each(model, state, push, h),
+        #[cfg(any(test, feature = "reference"))]
         Solver::DenseReference => advance_jointed(model, state, push, h, None, scratch),
         Solver::Monolithic(monolithic) => {
             advance_jointed(model, state, push, h, Some(monolithic), scratch)

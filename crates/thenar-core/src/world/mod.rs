@@ -25,6 +25,7 @@ mod overlap;
 mod parts;
 mod push_out;
 mod readout;
+#[cfg(any(test, feature = "reference"))]
 mod reference;
 mod response;
 mod retune;
@@ -119,8 +120,7 @@ impl World {
 
     /// Moves the world forward by one time step: the paper's Sec. 4. A step that contact does not
     /// carry through is made in parts (`SolverSettings::step_halvings_max`); contacts then are
-    /// those of the last. Allocates nothing (with the dense reference solver it does; a clone fills
-    /// its work space in its first steps).
+    /// those of the last. Allocates nothing (but a clone fills its work space in its first steps).
     ///
     /// # Panics
     /// When a list of `input` is shorter than [`World::input`] makes it.

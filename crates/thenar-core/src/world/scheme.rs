@@ -16,6 +16,7 @@ pub enum Solver {
     /// The paper's two steps (`world::two_step`).
     TwoStep,
     /// Eq. 9 in one dense piece (`world::reference`).
+    #[cfg(any(test, feature = "reference"))]
     DenseReference,
 }
 
@@ -27,6 +28,7 @@ impl Solver {
                 Self::Monolithic(Box::new(monolithic::build(desc, model, contacts_max)))
             }
             SolverKind::TwoStep => Self::TwoStep,
+            #[cfg(any(test, feature = "reference"))]
             SolverKind::DenseReference => Self::DenseReference,
         }
     }
@@ -48,6 +50,7 @@ impl Solver {
         match self {
             Self::Monolithic(_) => SolverKind::Monolithic,
             Self::TwoStep => SolverKind::TwoStep,
+            #[cfg(any(test, feature = "reference"))]
             Self::DenseReference => SolverKind::DenseReference,
         }
     }

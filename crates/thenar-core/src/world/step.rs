@@ -10,7 +10,7 @@ use crate::world::state::{Scratch, State};
 use crate::world::two_step::TwoStep;
 use crate::world::{
     Input, Stage, StageTimer, StepReport, World, assemble, fall_back, friction, limits, push_out,
-    reference, response,
+    response,
 };
 
 /// Inputs and outputs of a step.
@@ -48,9 +48,12 @@ impl World {
                 let mut scheme = TwoStep { settings, stands_in: false };
                 step.find_velocities(&mut scheme, timer, report)
             }
-            Solver::DenseReference => {
-                step.find_velocities(&mut reference::DenseReference { settings }, timer, report)
-            }
+            #[cfg(any(test, feature = "reference"))]
+            Solver::DenseReference => step.find_velocities(
+                &mut super::reference::DenseReference { settings },
+                timer,
+                report,
+            ),
         }
     }
 }

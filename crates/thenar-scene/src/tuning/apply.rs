@@ -12,8 +12,6 @@ pub const TWO_STEP: &str = "two-step";
 pub const FROZEN: &str = "two-step, frozen flesh (paper)";
 /// Joints, flesh and contact in one system.
 pub const MONOLITHIC: &str = "monolithic";
-/// The dense reference, which a program can choose; no setting does.
-const DENSE: &str = "dense reference";
 
 /// Bodies of a hand, or of a figure, in the description.
 #[derive(Clone, Debug)]
@@ -142,10 +140,9 @@ pub fn set_gravity(desc: &mut WorldDesc, size: f64) {
 /// The word for a solver.
 pub fn solver_word(solver: &SolverSettings) -> &'static str {
     match (solver.kind, solver.step1_flesh) {
-        (SolverKind::Monolithic, _) => MONOLITHIC,
-        (SolverKind::DenseReference, _) => DENSE,
         (SolverKind::TwoStep, FleshInStep1::Lumped) => TWO_STEP,
         (SolverKind::TwoStep, FleshInStep1::Frozen) => FROZEN,
+        _ => MONOLITHIC,
     }
 }
 
