@@ -99,7 +99,7 @@ test("a glove is armed, felt and stopped", { timeout: 240_000 }, async () => {
     () => card(page).getByRole("button", { name: /^Stop/ }).click(),
     async () => {
       await page.getByRole("button", { name: "Physics" }).click();
-      await page.locator('#panel-physics input[type="number"]').first().focus();
+      await page.locator('#panel-physics input.value').first().focus();
       await page.keyboard.press("Escape");
     },
   ]) {

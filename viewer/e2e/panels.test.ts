@@ -98,7 +98,7 @@ test("a setting acts on the physics at once: things fall as the Moon would have 
   await until(page, (t) => t.model!.scene === "falling-box");
   await panel(page, "physics");
   const row = page.locator(".setting", { has: page.locator('[data-setting="gravity"]') });
-  const field = row.locator('input[type="number"]');
+  const field = row.locator('input.value');
   await field.fill("1.62");
   await field.press("Enter");
   await until(page, (t) => t.app.connection.status!.settings.some((s) => s.key === "gravity" && s.value === 1.62));
@@ -128,6 +128,27 @@ test("a setting acts on the physics at once: things fall as the Moon would have 
   await until(page, (t) => t.app.connection.status!.settings.some((s) => s.key === "gravity" && Number(s.value) > 9.8));
   await read(page, (t) => t.app.connection.send({ type: "scene", name: "bread-grasp" }));
   await until(page, (t) => t.model!.scene === "bread-grasp");
+  expect(problems).toEqual([]);
+});
+
+test("large numbers are written, taken and read aloud as people write them", async () => {
+  const { page, problems } = await running("#scene=bread-grasp");
+  await panel(page, "physics");
+  const field = page.getByLabel("Flesh on bone, N/m⁴");
+  await expect.poll(() => field.inputValue()).toMatch(/^\d(\.\d+)?×10[⁰¹²³⁴-⁹]+$/);
+  const own = await field.inputValue();
+  await field.fill("2×10¹⁰");
+  await field.press("Enter");
+  await until(page, (t) => t.app.connection.status!.settings.some((s) => s.label === "Flesh on bone" && s.value === 2e10));
+  const slider = page.getByRole("slider", { name: "Flesh on bone" });
+  expect(await slider.getAttribute("aria-valuetext")).toBe("2×10¹⁰ N/m⁴");
+  expect(await page.getByRole("slider", { name: "Strength" }).getAttribute("aria-valuetext")).toBe("1");
+  // Nothing in the panels has powers of ten or units as programs write them.
+  expect(await page.locator("#panel-physics").textContent()).not.toMatch(/\de\d|\^\d/);
+  await page.getByRole("button", { name: "Flesh on bone: back to the scene's value" }).click();
+  await expect.poll(() => field.inputValue()).toBe(own);
+  await panel(page, "run");
+  await page.getByText(/After Fig\. 1, centre, of the paper by Garre et al\. \(2011\)/).waitFor();
   expect(problems).toEqual([]);
 });
 
@@ -300,7 +321,7 @@ test("every panel opens by keyboard alone and names its parts", async () => {
     );
     expect(nameless, `panel ${id}`).toEqual([]);
     // No figure is cut, however long.
-    const cut = await page.locator(`#panel-${id} input[type="number"]`).evaluateAll((fields) =>
+    const cut = await page.locator(`#panel-${id} input.value`).evaluateAll((fields) =>
       (fields as HTMLInputElement[]).filter((e) => e.offsetParent !== null && e.scrollWidth > e.clientWidth).map((e) => e.value),
     );
     expect(cut, `panel ${id}`).toEqual([]);

@@ -90,7 +90,7 @@ test("nothing moves a recorded hand, and the page says why", async () => {
   const { page, problems } = await open(browser, server.url);
   await until(page, (t) => t.inControl);
   await page.getByRole("button", { name: "Physics" }).click();
-  expect(await page.locator('#panel-physics input[type="number"]').first().isDisabled()).toBe(true);
+  expect(await page.locator('#panel-physics input.value').first().isDisabled()).toBe(true);
   expect(await page.locator("#panel-physics").innerText()).toContain("This is a recording");
   const failed = await page.evaluate(async () => {
     const { inputs } = window.thenar.app;

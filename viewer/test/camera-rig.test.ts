@@ -59,3 +59,21 @@ it("stays below the ground where it was placed there, until it comes up", () => 
   eye.update();
   expect(eye.camera.position.y).toBeGreaterThan(0.019);
 });
+
+it("sees its target in the middle of the part of the canvas that nothing covers, as large as that part allows", () => {
+  const eye = rig();
+  eye.resize(600, 300);
+  eye.go("scene", OWN, TABLE);
+  /** Pixels below the canvas's upper edge. */
+  const down = (y: number, height: number): number => {
+    eye.camera.updateMatrixWorld();
+    return (height * (1 - new Vector3(OWN.target[0], y, OWN.target[2]).project(eye.camera).y)) / 2;
+  };
+  expect(down(OWN.target[1], 300)).toBeCloseTo(150, 6);
+  const size = down(0, 300) - down(0.1, 300);
+  eye.resize(600, 300, 100);
+  expect(down(OWN.target[1], 300)).toBeCloseTo(100, 6);
+  expect(down(0, 300) - down(0.1, 300)).toBeCloseTo((size * 2) / 3, 6);
+  eye.resize(600, 300);
+  expect(down(OWN.target[1], 300)).toBeCloseTo(150, 6);
+});

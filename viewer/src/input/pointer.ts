@@ -4,10 +4,11 @@
 
 import { Quaternion, Ray, Raycaster, Vector2, Vector3 } from "three";
 import type { App } from "../app";
-import { dragNormal, dragStep } from "./drag-plane";
+import { dragNormal, dragStep, leanTowards } from "./drag-plane";
 import { pickHand, type Picked } from "./pick";
 import { POSING_ID, type Posing } from "./posing";
 import { ControlHeld } from "./source";
+import { aboveHold, holdPoint, placeOf, thingsOf } from "./things";
 
 /** A press becomes a drag after so many pixels. */
 const SLACK = 4;
@@ -28,6 +29,8 @@ export class PointerPosing {
   private picked: Picked | null = null;
   /** The point of the hand under the pointer, where the drag wants it, world frame, m. */
   private readonly grabbed = new Vector3();
+  /** Of the upright plane: it stays as it is until the drag ends, so that the way back is the way. */
+  private lean = 0;
   private dragging = false;
   private turning = false;
   private travelled = 0;
@@ -46,7 +49,11 @@ export class PointerPosing {
     canvas.addEventListener("pointerup", (event) => this.up(event), capture);
     canvas.addEventListener("pointercancel", (event) => this.up(event), capture);
     canvas.addEventListener("wheel", (event) => this.wheel(event), { capture: true, passive: false });
-    canvas.addEventListener("blur", () => canvas.classList.remove("by-pointer"));
+    const byKeys = () => canvas.classList.remove("by-pointer");
+    canvas.addEventListener("blur", byKeys);
+    // A press need not have brought the focus: who comes by Tab afterwards sees the ring.
+    document.addEventListener("keydown", ({ key }) => (key === "Tab" ? byKeys() : undefined), capture);
+    app.feed.on("snapshot", () => (this.dragging ? this.mark() : undefined));
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   }
 
@@ -143,9 +150,13 @@ export class PointerPosing {
     this.dragging = true;
     this.app.stage.canvas.style.cursor = "grabbing";
     if (this.picked !== null) this.posing.choose(this.picked.hand);
+    this.lean = this.presentLean();
+    this.mark();
     if (inputs.active !== null) return;
     inputs.start(POSING_ID).catch((error: unknown) => {
       this.fingers.clear();
+      this.dragging = false;
+      this.mark();
       this.refused(error);
     });
   }
@@ -155,6 +166,7 @@ export class PointerPosing {
     event.stopImmediatePropagation();
     if (this.fingers.size > 0) return;
     this.dragging = false;
+    this.mark();
     this.app.stage.canvas.style.cursor = this.overHand ? "grab" : "";
   }
 
@@ -167,11 +179,29 @@ export class PointerPosing {
     return [axis(1, 0, 0), axis(0, 1, 0), axis(0, 0, -1)];
   }
 
+  /** How the drag that begins leads to what is under the hand. */
+  private presentLean(): number {
+    const { model, snapshot } = this.app.feed;
+    const hand = this.posing.model;
+    if (model === null || snapshot === null || hand === null) return 0;
+    const places = thingsOf(model).flatMap((thing) => placeOf(thing, snapshot) ?? []);
+    const [, , into] = this.axes();
+    return leanTowards(holdPoint(hand, snapshot, true), places, into);
+  }
+
+  /** While it is dragged the hand shows what it is above. */
+  private mark(): void {
+    const { model, snapshot } = this.app.feed;
+    const hand = this.posing.model;
+    const shown = this.dragging && model !== null && snapshot !== null && hand !== null;
+    this.app.stage.markBelow(shown ? aboveHold(hand, snapshot) : null);
+  }
+
   /** The grabbed point stays under the pointer. */
   private shift(from: Point, to: Point, level: boolean): void {
     const [before, after] = [this.rayAt(from.x, from.y), this.rayAt(to.x, to.y)];
     const view = this.grabbed.clone().sub(before.origin).normalize();
-    const by = dragStep(before, after, this.grabbed, dragNormal(level ? "level" : "upright", view));
+    const by = dragStep(before, after, this.grabbed, dragNormal(level ? "level" : "upright", view, this.lean));
     if (by === null) return;
     this.grabbed.add(by);
     this.posing.moveWrist(by);

@@ -30,8 +30,9 @@ export function boneEnds(bone: HandBone, frame: Frame): [Vector3, Vector3] {
   return [end(0), end(1)];
 }
 
-export function presentPose(hand: HandModel, snapshot: Snapshot): HandPose {
-  const palm = boneFrame(hand, 0, snapshot, true);
+/** `tracked`: of the hand that leads; else of the simulated one. */
+export function presentPose(hand: HandModel, snapshot: Snapshot, tracked = true): HandPose {
+  const palm = boneFrame(hand, 0, snapshot, tracked);
   const wrist_B = frameAt(hand.wrist_B, 0);
   const position = wrist_B.position.applyQuaternion(palm.rotation).add(palm.position);
   const rotation = palm.rotation.clone().multiply(wrist_B.rotation).normalize();

@@ -131,12 +131,16 @@ export class CameraRig {
     controls.update();
   }
 
-  resize(aspect: number): void {
+  /** Takes a canvas of this size, px, whose lowest `covered` are behind something: the view is that of the part above,
+   * and goes on below it. */
+  resize(width: number, height: number, covered = 0): void {
+    const aspect = width / (height - covered);
     // A turned phone keeps what it saw.
     const factor = (a: number) => Math.max(1, Math.min(2.4, FRAMED_FOR / Math.max(0.2, a)));
     const scale = factor(aspect) / factor(this.camera.aspect);
     this.camera.position.sub(this.controls.target).multiplyScalar(scale).add(this.controls.target);
     this.camera.aspect = aspect;
-    this.camera.updateProjectionMatrix();
+    if (covered > 0) this.camera.setViewOffset(width, height - covered, 0, 0, width, height);
+    else this.camera.clearViewOffset();
   }
 }

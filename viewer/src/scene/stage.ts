@@ -15,6 +15,7 @@ import {
 import type { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { SceneModel, Snapshot, Touch } from "../protocol/types";
 import { CameraRig } from "./camera-rig";
+import { DropMark } from "./drop-mark";
 import { FrameClock } from "./frame-clock";
 import { LAYERS_AT_FIRST, ON_SKIN, type LayerName, type ViewName } from "./layers";
 import { Legend } from "./legend";
@@ -43,6 +44,8 @@ export type FrameHook = (time: number, dt: number, frame: XRFrame | undefined) =
 /** Without news, frames come this far apart, ms. */
 const IDLE_FRAME = 250;
 const IDLE_AFTER = 500;
+/** At least half of the picture stays for what there is to see, whatever lies over it. */
+const COVERED_MOST = 0.5;
 
 export class Stage {
   readonly renderer: WebGLRenderer;
@@ -64,11 +67,14 @@ export class Stage {
   private readonly hooks = new Set<FrameHook>();
   private readonly layers = new Set<LayerName>(LAYERS_AT_FIRST);
   private readonly clip = { value: new Vector4(0, 0, 0, 1) };
+  private readonly drop = new DropMark();
+  private below: Vector3 | null = null;
   private view: WorldView | null = null;
   private bones = FIRST_BONES;
   private devices: Touch["hands"] = [];
   private framed = false;
   private smooth = true;
+  private covered = 0;
   private lastChange = 0;
   private lastDrawn = 0;
   private readonly focus = new Box3(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1));
@@ -96,7 +102,7 @@ export class Stage {
       weightsShown: { value: 0 },
     };
     this.surroundings = new Surroundings(this.shared, this.renderer, this.scene);
-    this.world.add(this.surroundings.group);
+    this.world.add(this.surroundings.group, this.drop.group);
     this.scene.add(this.world);
     this.rig = new CameraRig(this.camera, canvas);
     this.rig.controls.addEventListener("change", () => this.invalidate());
@@ -219,6 +225,25 @@ export class Stage {
     this.invalidate();
   }
 
+  /** Something lies over the lowest pixels of the canvas: what there is to see moves up beside it. */
+  setCovered(pixels: number): void {
+    if (pixels === this.covered) return;
+    this.covered = pixels;
+    this.resize();
+  }
+
+  /** Marks what is straight below a place, world frame, m; null: nothing. */
+  markBelow(place: Vector3 | null): void {
+    if (place === null && this.below === null) return;
+    this.below = place;
+    this.invalidate();
+  }
+
+  /** Height of what is marked, m; null: nothing is. */
+  get markedHeight(): number | null {
+    return this.drop.group.visible ? this.drop.group.position.y : null;
+  }
+
   /** Shows what is behind everything; not where the visitor's own room is in view. */
   setBackdrop(on: boolean): void {
     this.surroundings.backdrop.visible = on;
@@ -259,7 +284,7 @@ export class Stage {
     const ratio = Math.min(this.quality.pixelRatioMost, window.devicePixelRatio) * this.pixels.scale;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.rig.resize(clientWidth / clientHeight);
+    this.rig.resize(clientWidth, clientHeight, Math.min(this.covered, COVERED_MOST * clientHeight));
     this.invalidate();
   }
 
@@ -288,6 +313,7 @@ export class Stage {
     }
     this.world.updateMatrixWorld();
     this.shared.sceneFromWorld.value.copy(this.world.matrixWorld).invert();
+    this.drop.show(this.below, this.below === null ? null : (view?.surfaceBelow(this.below) ?? null));
     this.showLegend();
     this.renderer.render(this.scene, this.camera);
   }
@@ -312,7 +338,8 @@ export class Stage {
     renderer.setPixelRatio(1);
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
-    camera.updateProjectionMatrix();
+    // Also updates the projection.
+    camera.clearViewOffset();
     this.draw(performance.now());
     const picture = new Promise<Blob>((resolve, reject) => {
       const done = (blob: Blob | null) =>

@@ -1,10 +1,11 @@
 // Everything that moves in one scene.
 
-import { Box3, Group, Matrix4, Mesh, Vector3, Vector4, type Camera, type IUniform } from "three";
+import { Box3, Group, Matrix4, Mesh, Raycaster, Vector3, Vector4, type Camera, type IUniform } from "three";
 import type { HandModel, RigidModel, SceneModel, Snapshot, Touch } from "../protocol/types";
 import { roundUp } from "./colour-map";
 import { ContactView } from "./contact-view";
 import { CuffView } from "./cuff-view";
+import { fleshBelow } from "./drop-mark";
 import { ExoskeletonView } from "./exoskeleton-view";
 import { GhostView } from "./ghost-view";
 import { Interpolator } from "./interpolate";
@@ -236,6 +237,27 @@ export class WorldView {
     if (out.isEmpty()) out.copy(NOTHING);
   }
 
+  /** Height of the surface straight below a place, world frame, m: of objects, flesh of no hand and planes that lie
+   * level, as those of tables do; null if there is none. */
+  surfaceBelow(from: Vector3): number | null {
+    const heights: number[] = [];
+    const { nodes, rigids } = this.interpolator;
+    for (const { hand, model } of this.softs) {
+      const start = model.node_start;
+      const top = hand === null ? fleshBelow(from, nodes, start, start + model.nodes.length / 3) : null;
+      if (top !== null) heights.push(top);
+    }
+    const world = this.group.matrixWorld;
+    DOWN.set(from.clone().applyMatrix4(world), new Vector3(0, -1, 0).transformDirection(world));
+    this.rigids.forEach(({ body, model: { kind } }, i) => {
+      const height = rigids[7 * i + 1];
+      if (kind === "plane" && height < from.y) heights.push(height);
+      const [hit] = kind === "none" || body === null ? [] : DOWN.intersectObject(body, false);
+      if (hit !== undefined) heights.push(this.group.worldToLocal(hit.point.clone()).y);
+    });
+    return heights.length === 0 ? null : Math.max(...heights);
+  }
+
   /** Where the hands' bones are. */
   handPlaces(): Vector3[] {
     return this.model.hands.flatMap(({ bones, bone_start }) =>
@@ -289,6 +311,7 @@ export class WorldView {
 }
 
 const NOW = new Box3();
+const DOWN = new Raycaster();
 const POINT = new Vector3();
 /** What to look at where nothing moves. */
 const NOTHING = new Box3(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1));

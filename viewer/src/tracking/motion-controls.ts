@@ -45,7 +45,7 @@ export class MotionControls {
       { class: "motion-controls" },
       this.select,
       this.speeds,
-      h("label", {}, this.again, " Again and again"),
+      h("label", {}, this.again, " Repeat"),
       button("Open a recording…", () => chooser.click()),
       chooser,
     );

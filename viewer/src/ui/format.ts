@@ -1,13 +1,13 @@
 // Numbers for people.
 
-/** Three significant digits without an exponent where that can be read: 0.00123, 12.3, 4560. */
+/** Three significant digits, with a power of ten only where zeros would be counted: 0.00123, 4560, 2×10⁹. */
 export function significant(value: number, digits = 3): string {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e6 || size < 1e-4) {
     const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-    return `${Number(mantissa)}e${Number(exponent)}`;
+    return `${Number(mantissa)}×10${raised(exponent)}`;
   }
   const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
   return String(Number(value.toFixed(Math.min(decimals, 12))));
@@ -18,11 +18,51 @@ export function fixed(value: number, decimals: number): string {
   return Number.isFinite(value) ? value.toFixed(decimals) : "–";
 }
 
-const RAISED: Readonly<Record<string, string>> = { "2": "²", "3": "³", "4": "⁴" };
+const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/** An exponent in raised digits: e-7 has ⁻⁷, e+11 has ¹¹. */
+function raised(exponent: string): string {
+  const digits = [...exponent.replace(/^\+/, "")];
+  return digits.map((digit) => (digit === "-" ? "⁻" : RAISED[Number(digit)])).join("");
+}
+
+/** The number that someone types: as the page writes it, with an e, or with 10^; NaN if it is none. */
+export function typedNumber(text: string): number {
+  const plain = text
+    .replace(/[⁰¹²³⁴-⁹]/g, (digit) => String(RAISED.indexOf(digit)))
+    .replaceAll("⁻", "-")
+    .replaceAll("−", "-")
+    .replace(/\s*[×·*]\s*10\^?/, "e")
+    .replace(/^\s*10\^/, "1e")
+    .trim();
+  return plain === "" ? NaN : Number(plain);
+}
 
 /** A unit with its powers raised: N/m^4 becomes N/m⁴. */
 export function unitWords(unit: string): string {
-  return unit.replace(/\^([234])/g, (_, power: string) => RAISED[power]);
+  return unit.replace(/\^([234])/g, (_, power: string) => raised(power));
+}
+
+/** A value with its unit; pure numbers, whose unit is 1, stand alone. */
+export function quantity(value: number, unit: string): string {
+  return unit === "1" ? significant(value) : `${significant(value)} ${unitWords(unit)}`;
+}
+
+/** Text with its powers of ten as people write them: 1e9 N/m^4 becomes 10⁹ N/m⁴. */
+export function plainPowers(text: string): string {
+  const power = (_: string, mantissa: string, exponent: string) =>
+    `${mantissa === "1" ? "" : `${mantissa}×`}10${raised(exponent)}`;
+  return unitWords(text).replace(/(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)/g, power);
+}
+
+/** The paper that scenes and settings follow, for those who meet it first. */
+export const PAPER =
+  "Garre, Hernández, Gracia and Otaduy, Interactive Simulation of a Deformable Hand for Haptic Rendering, " +
+  "IEEE World Haptics Conference 2011";
+
+/** Names the paper where a scene only speaks of it. */
+export function namePaper(text: string): string {
+  return text.replace(/\bthe paper\b(?!['’])/, "the paper by Garre et al. (2011)");
 }
 
 export function seconds(value: number): string {
@@ -32,7 +72,7 @@ export function seconds(value: number): string {
 export function bytes(value: number): string {
   if (value < 1e3) return `${value} B`;
   if (value < 1e6) return `${fixed(value / 1e3, 0)} kB`;
-  return `${fixed(value / 1e6, 1)} MB`;
+  return `${significant(value / 1e6, value < 1e8 ? 2 : 3)} MB`;
 }
 
 /** For a file's name: letters, digits and dashes only. */

@@ -34,7 +34,7 @@ export function gripControls(desk: Desk): HTMLElement {
   desk.keys.add({ key: "shift+j", name: "Shift J", label: "Let go", group: "Hand", act: release });
   return group(
     "Grip",
-    h("p", { class: "help" }, "Fingers close on it by themselves, whatever moves the wrist."),
+    h("p", { class: "help" }, "The fingers close by themselves on what is under the hand, whatever moves the wrist."),
     kind.element,
     h("div", { class: "buttons" }, ...buttons),
   );

@@ -2,6 +2,7 @@
 
 import type { Desk, Panel } from "./desk";
 import { button, h } from "./dom";
+import { PAPER } from "./format";
 import { helpPicture } from "./help-picture";
 import { ICONS } from "./icons";
 
@@ -51,7 +52,7 @@ export function helpPanel(desk: Desk): Panel {
           "Drag up. Esc gives the hand back to the script.",
         ].map((step) => h("li", {}, step)),
       ),
-      h("div", { class: "buttons" }, button("Open the help", open, { class: "primary", title: "Key ?" })),
+      h("div", { class: "buttons" }, button("More help, and all keys", open, { class: "primary", title: "Key ?" })),
     ),
   };
 }
@@ -91,6 +92,8 @@ function text(): HTMLElement[] {
       "Arrows: light blue presses, pink rubs; the longest arrow's force stands beside the picture.",
       "In the plot: thumb orange-red, index yellow, middle green, ring blue, little pink, palm grey.",
     ),
+    h("h3", {}, "The paper"),
+    h("p", {}, `Where a scene or a setting speaks of the paper, it is ${PAPER}.`),
     h("h3", {}, "What it does not do"),
     list(
       "Coarse flesh is somewhat stiffer than its material; thenar validate says by how much.",

@@ -1,29 +1,43 @@
-// What a first visitor can do now, in one line: take the hand, close it, lift. It names the means
-// that this pointer has, and stays until the thing was lifted or the visitor closes it.
+// What a first visitor can do now, in one line: take the hand, bring it down, close it, lift. The line
+// follows what the hand does, names the means that this pointer has, and stays until the thing was
+// lifted or the visitor closes it.
 
-import { POSING_ID } from "../input/posing";
+import { POSING_ID, type Posing } from "../input/posing";
+import { thingsOf, type Thing } from "../input/things";
 import { takeControl, type Desk } from "./desk";
 import { button, h, setText } from "./dom";
-import { Lift, thingToLift, type Thing } from "./lift";
+import { Lift, nextStep, type Step } from "./lift";
 import { isTrue, recall, remember } from "./store";
 
 export type PointerKind = "mouse" | "touch";
 
-/** What to do, for a pointer; `leading`: the visitor has the hand already. */
-export function hintText(pointer: PointerKind, leading: boolean, thing: string | null): string {
-  const down = thing === null ? "" : ` down to the ${thing}`;
-  const round = thing === null ? "" : ` round the ${thing}`;
-  const lift = thing === null ? "." : ", then drag up.";
-  if (!leading) {
-    const close = pointer === "touch" ? "A slider then closes it." : "The mouse wheel over the hand closes it.";
-    return `Drag the hand${down}. ${close} Drag beside it to look around.`;
+/** Between two looks at what the hand does, ms. */
+const LOOK = 200;
+
+/** What to do next, for a pointer. */
+export function hintText(pointer: PointerKind, step: Step, thing: string | null): string {
+  const touch = pointer === "touch";
+  const what = thing ?? "";
+  const down = thing === null ? "" : ` down to the ${what}`;
+  const fingers = "Two fingers apart bring it nearer; a twist rolls it.";
+  switch (step) {
+    case "take":
+      return `Drag the hand${down}. ${touch ? "A slider then closes it." : "The mouse wheel over the hand closes it."} Drag beside it to look around.`;
+    case "reach":
+      return touch
+        ? `Drag it${down}, then close it with the slider. ${fingers}`
+        : `Drag it${down}, then close it: wheel over the hand, key G or the slider.`;
+    case "close": {
+      const round = thing === null ? "" : ` round the ${what}`;
+      if (touch) return `Close it${round} with the slider${thing === null ? "" : ", then drag up"}. ${fingers}`;
+      return `Close it${round}: wheel over the hand, key G or the slider.${thing === null ? "" : " Then drag up."}`;
+    }
+    case "lift":
+      return `You hold the ${what}: drag up to lift it. ${touch ? "The slider opens" : "Wheel and slider open"} the hand.`;
   }
-  return pointer === "touch"
-    ? `Close it${round} with the slider${lift} Two fingers apart bring it nearer; a twist rolls it.`
-    : `Close it${round}: wheel over the hand, key G or the slider${lift.replace(", then", ". Then")}`;
 }
 
-export function hint(desk: Desk): HTMLElement {
+export function hint(desk: Desk, posing: Posing): HTMLElement {
   const { connection, feed, inputs, stage } = desk.app;
   const text = h("span");
   const done = () => {
@@ -38,7 +52,15 @@ export function hint(desk: Desk): HTMLElement {
   let pointer: PointerKind = window.matchMedia("(pointer: coarse)").matches ? "touch" : "mouse";
   let thing: Thing | null = null;
   let lift: Lift | null = null;
+  let step: Step = "take";
+  let looked = -Infinity;
 
+  const next = (): Step => {
+    const { model, snapshot } = feed;
+    if (inputs.active?.id !== POSING_ID) return "take";
+    if (thing === null || model === null || snapshot === null) return "close";
+    return nextStep(posing.hand, thing, model, snapshot, step);
+  };
   const refresh = () => {
     const { status } = connection;
     const recorded = (status?.recording ?? null) !== null;
@@ -50,8 +72,8 @@ export function hint(desk: Desk): HTMLElement {
     const watching = open && holder !== null && !connection.inControl;
     element.hidden = seen || none || other || !open;
     take.hidden = !watching;
-    const leading = inputs.active?.id === POSING_ID;
-    setText(text, watching ? `Viewer ${holder} leads the hand; you are watching.` : hintText(pointer, leading, thing?.name ?? null));
+    step = next();
+    setText(text, watching ? `Viewer ${holder} leads the hand; you are watching.` : hintText(pointer, step, thing?.name ?? null));
   };
   // The pointer in use may change: a tablet has a mouse, a laptop a touch screen.
   window.addEventListener("pointerdown", ({ pointerType }) => {
@@ -61,7 +83,7 @@ export function hint(desk: Desk): HTMLElement {
     refresh();
   });
   feed.on("model", (model) => {
-    thing = thingToLift(model);
+    [thing = null] = thingsOf(model);
     // Whoever leads the hand goes on to lead it in the next scene.
     lift = inputs.active?.id === POSING_ID && thing !== null ? new Lift(thing) : null;
     refresh();
@@ -72,7 +94,12 @@ export function hint(desk: Desk): HTMLElement {
     refresh();
   });
   feed.on("snapshot", (snapshot) => {
-    if (!seen && lift !== null && lift.seen(snapshot)) done();
+    if (seen) return;
+    if (lift !== null && lift.seen(snapshot)) return done();
+    const now = performance.now();
+    if (now - looked < LOOK) return;
+    looked = now;
+    if (next() !== step) refresh();
   });
   inputs.onChange(() => {
     const leading = inputs.active?.id === POSING_ID;

@@ -1,5 +1,6 @@
-// What there is to pick up in a scene, and whether the visitor has picked it up.
+// How far the visitor has come in picking up what a scene has to pick up.
 
+import { holdPoint, placeOf, type Thing } from "../input/things";
 import { PER_DIGIT, PER_HAND, type SceneModel, type Snapshot } from "../protocol/types";
 
 /** An object that rises this far above the lowest place of the visitor's lead counts as lifted, m. */
@@ -7,32 +8,23 @@ const RISE = 0.02;
 /** The hand holds what it touches with at least this force, N: a twentieth of the loaf's weight. */
 const HELD = 0.05;
 
-export interface Thing {
-  readonly name: string;
-  /** First and last value of the heights to average, in `snapshot.nodes` or `snapshot.rigids`. */
-  readonly soft: { readonly start: number; readonly end: number } | null;
-  readonly rigid: number | null;
-}
+/** From here to the middle of the thing a hand that closes gets hold of it, m: half the loaf's length, less a finger. */
+const NEAR = 0.05;
+/** A thing that was near stays so a little farther, m: the words do not flicker. */
+const STILL_NEAR = 0.07;
 
-/** The first body that a hand can carry off: flesh of no hand, or a rigid body that is free. */
-export function thingToLift({ hands, softs, rigids }: SceneModel): Thing | null {
-  if (hands.length === 0) return null;
-  const soft = softs.find((body) => body.hand === null);
-  if (soft !== undefined) {
-    const start = soft.node_start;
-    return { name: soft.name, soft: { start, end: start + soft.nodes.length / 3 }, rigid: null };
-  }
-  const free = rigids.findIndex(({ kind, fixed }) => !fixed && kind !== "bone" && kind !== "plane" && kind !== "none");
-  return free < 0 ? null : { name: rigids[free].name, soft: null, rigid: free };
-}
+/** What comes next on the way to a lifted thing. */
+export type Step = "take" | "reach" | "close" | "lift";
 
-/** Mean height of a thing in the world frame, m. */
-export function heightOf({ soft, rigid }: Thing, { nodes, rigids }: Pick<Snapshot, "nodes" | "rigids">): number {
-  if (rigid !== null) return rigids[7 * rigid + 1];
-  if (soft === null) return NaN;
-  let sum = 0;
-  for (let n = soft.start; n < soft.end; n++) sum += nodes[3 * n + 1];
-  return sum / (soft.end - soft.start);
+/** What comes next for a hand that the visitor leads. */
+export function nextStep(hand: number, thing: Thing, model: SceneModel, snapshot: Snapshot, before: Step): Step {
+  const at = placeOf(thing, snapshot);
+  if (at === null) return "close";
+  const far = holdPoint(model.hands[hand], snapshot, false).distanceTo(at);
+  if (far > (before === "close" || before === "lift" ? STILL_NEAR : NEAR)) return "reach";
+  const force = (digit: number) => snapshot.fingers[PER_HAND * hand + PER_DIGIT * digit] ?? 0;
+  // Thumb against any finger.
+  return force(1) > HELD && [2, 3, 4, 5].some((digit) => force(digit) > HELD) ? "lift" : "close";
 }
 
 /** Normal force on all digits of all hands, N. */
@@ -52,8 +44,8 @@ export class Lift {
 
   /** True once the hand holds the thing above its lowest place so far. */
   seen(snapshot: Pick<Snapshot, "nodes" | "rigids" | "fingers">): boolean {
-    const height = heightOf(this.thing, snapshot);
-    if (!Number.isFinite(height)) return false;
+    const height = placeOf(this.thing, snapshot)?.y;
+    if (height === undefined) return false;
     this.lowest = Math.min(this.lowest, height);
     return height - this.lowest > RISE && pressing(snapshot.fingers) > HELD;
   }

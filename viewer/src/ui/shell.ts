@@ -31,14 +31,18 @@ export class Shell {
       title: panel.title,
     });
     tab.append(icon(panel.icon), h("span", {}, panel.title));
-    tab.addEventListener("click", () => this.toggle(panel.id));
+    tab.addEventListener("click", (event) => {
+      this.toggle(panel.id);
+      // Who opened it by a key goes on in it, past the other buttons; a press has a count of clicks.
+      if (event.detail === 0 && this.open.has(panel.id)) section.focus();
+    });
     const close = button("×", () => this.toggle(panel.id, false), {
       class: "plain",
       "aria-label": `Close ${panel.title}`,
     });
     const section = h(
       "section",
-      { id, class: "panel", "aria-label": panel.title, hidden: true },
+      { id, class: "panel", "aria-label": `${panel.title} panel`, tabindex: -1, hidden: true },
       h("header", {}, h("h2", {}, panel.title), close),
       panel.body,
     );

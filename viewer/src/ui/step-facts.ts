@@ -3,6 +3,15 @@
 import { FLAG, type Snapshot } from "../protocol/types";
 import { fixed, significant } from "./format";
 
+/** Less than this is nothing to a reader, mm: a thousandth of what would show. */
+const LEAST = 1e-4;
+
+/** A length in millimetres, for one given in metres. */
+function millimetres(length: number): string {
+  const shown = 1e3 * length;
+  return shown > 0 && shown < LEAST ? `below ${LEAST} mm` : `${significant(shown, 2)} mm`;
+}
+
 export interface Fact {
   readonly name: string;
   /** For someone who sees it for the first time. */
@@ -31,11 +40,11 @@ export const STEP_FACTS: readonly Fact[] = [
   {
     name: "Deepest penetration",
     help: "How far bodies are inside each other at most, in millimetres. Above 1 mm it shows, and forces there are doubtful.",
-    value: ({ penetration }) => `${significant(1e3 * penetration, 2)} mm`,
+    value: ({ penetration }) => millimetres(penetration),
   },
   {
     name: "Largest joint gap",
     help: "How far the two sides of a joint are apart at most, in millimetres. A hand that holds together stays below 0.05 mm.",
-    value: ({ jointGap }) => `${significant(1e3 * jointGap, 2)} mm`,
+    value: ({ jointGap }) => millimetres(jointGap),
   },
 ];

@@ -6,6 +6,7 @@ import { Posing } from "../input/posing";
 import { PosingKeys } from "../input/posing-keys";
 import { touchCard } from "../touch/card";
 import { banner } from "./banner";
+import { keepClear } from "./cover";
 import { sayRefused, TAKE_CONTROL, type Desk } from "./desk";
 import { h } from "./dom";
 import { acceptDrops } from "./drops";
@@ -51,8 +52,11 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   ];
   const { top, bottom } = transport(desk);
   for (const panel of panels) shell.add(panel);
-  const corner = h("section", { class: "corner", "aria-label": "Run and messages" }, desk.toasts.element, hint(desk), touchCard(desk), graspDock(desk, posing), bottom);
+  const [next, dock] = [hint(desk, posing), graspDock(desk, posing)];
+  const corner = h("section", { class: "corner", "aria-label": "Run and messages" }, desk.toasts.element, next, touchCard(desk), dock, bottom);
   root.append(top, shell.rail, shell.drawer, corner, loading(desk), banner(desk));
+
+  keepClear(app.stage, [next, dock, bottom]);
 
   let bare = false;
   desk.keys.add({

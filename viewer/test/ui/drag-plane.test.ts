@@ -2,7 +2,7 @@
 
 import { PerspectiveCamera, Ray, Raycaster, Vector2, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
-import { dragNormal, dragStep } from "../../src/input/drag-plane";
+import { dragNormal, dragStep, leanTowards } from "../../src/input/drag-plane";
 
 const HAND = new Vector3(0.02, 0.1, 0.03);
 
@@ -54,6 +54,57 @@ describe("an upright drag", () => {
   it("is in the plane of the picture where the camera looks straight down", () => {
     const view = new Vector3(0, -1, 0);
     expect(dragNormal("upright", view)).toEqual(view);
+  });
+});
+
+describe("a thing under the hand", () => {
+  const camera = seenFrom(0.3, 0.35, 0.6);
+  const away = camera.view.clone().setY(0).normalize();
+  const aside = new Vector3(-away.z, 0, away.x);
+  /** `down` below the hand, `far` behind it, `right` of it, m. */
+  const at = (down: number, far: number, right = 0): Vector3 =>
+    HAND.clone().addScaledVector(away, far).addScaledVector(aside, right).setY(HAND.y - down);
+  const lean = (...things: Vector3[]): number => leanTowards(HAND, things, camera.view);
+
+  it("draws the way down to it, but for a finger's breadth", () => {
+    const tilt = lean(at(0.1, 0.06));
+    let hand = HAND.clone();
+    // Down until the hand has the thing's height.
+    while (hand.y > HAND.y - 0.1) {
+      const from = camera.place(hand);
+      const normal = dragNormal("upright", camera.view, tilt);
+      hand = hand.add(dragStep(camera.ray(from), camera.ray(from.clone().add(new Vector2(0, -0.002))), hand, normal)!);
+    }
+    expect(hand.clone().sub(HAND).dot(away)).toBeCloseTo(0.04, 2);
+    expect(hand.clone().sub(HAND).dot(aside)).toBeCloseTo(0, 2);
+  });
+
+  it("leaves the grabbed point under the pointer, and the way back is the way", () => {
+    const normal = dragNormal("upright", camera.view, lean(at(0.1, 0.06)));
+    const [from, to] = [camera.place(HAND), camera.place(HAND).add(new Vector2(0.1, -0.15))];
+    const there = dragStep(camera.ray(from), camera.ray(to), HAND, normal)!;
+    expect(camera.place(HAND.clone().add(there)).distanceTo(to)).toBeLessThan(1e-9);
+    const back = dragStep(camera.ray(to), camera.ray(from), HAND.clone().add(there), normal)!;
+    expect(back.add(there).length()).toBeLessThan(1e-12);
+  });
+
+  it("is no help where the hand is right above it, beside it, or at it", () => {
+    expect(lean(at(0.1, 0.015))).toBe(0);
+    expect(lean(at(0.1, 0.08, 0.08))).toBe(0);
+    expect(lean(at(0.01, 0.009))).toBe(0);
+    expect(lean(at(-0.1, 0.05))).toBe(0);
+    expect(lean()).toBe(0);
+  });
+
+  it("leans 30 degrees at most, both ways, and towards the nearest", () => {
+    expect(lean(at(0.1, 0.095))).toBeCloseTo(Math.tan(Math.PI / 6), 12);
+    expect(lean(at(0.1, -0.095))).toBeCloseTo(-Math.tan(Math.PI / 6), 12);
+    expect(lean(at(0.2, 0.1), at(0.1, -0.05))).toBeCloseTo(-0.3, 12);
+  });
+
+  it("never lays the plane along the view: then it stands upright", () => {
+    const steep = new Vector3(0, -Math.sin(1), -Math.cos(1));
+    expect(dragNormal("upright", steep, Math.tan(Math.PI / 6))).toEqual(new Vector3(0, 0, -1));
   });
 });
 

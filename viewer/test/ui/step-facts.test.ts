@@ -20,6 +20,8 @@ test("facts of a step have units, and words for what they are", () => {
     ["Deepest penetration", "0.12 mm"],
     ["Largest joint gap", "0 mm"],
   ]);
+  // Rounding is no gap that a reader could do something with.
+  expect(STEP_FACTS[4].value({ ...snapshot, jointGap: 4.2e-17 })).toBe("below 0.0001 mm");
   expect(STEP_FACTS[1].value({ ...snapshot, flags: 0 })).toBe("12");
   // A sentence each, that does more than repeat the name.
   for (const { name, help } of STEP_FACTS) {

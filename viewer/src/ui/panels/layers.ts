@@ -2,7 +2,7 @@
 
 import { LAYERS, LAYER_LABELS, VIEWS, type LayerName, type ViewName } from "../../scene/layers";
 import type { Desk, Panel } from "../desk";
-import { button, h } from "../dom";
+import { button, h, newId } from "../dom";
 import { fixed } from "../format";
 import { ICONS } from "../icons";
 import { group, select, slider } from "../widgets";
@@ -61,7 +61,14 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
   };
   const rows = LAYERS.flatMap((layer) => {
     const { key, text } = EXPLAIN[layer];
-    const box = h("input", { type: "checkbox", "data-layer": layer, "aria-keyshortcuts": key });
+    const help = newId("layer");
+    const box = h("input", {
+      type: "checkbox",
+      "data-layer": layer,
+      "aria-label": LAYER_LABELS[layer],
+      "aria-describedby": help,
+      "aria-keyshortcuts": key,
+    });
     box.checked = stage.layer(layer);
     box.addEventListener("change", () => set(layer, box.checked));
     boxes.set(layer, box);
@@ -77,7 +84,7 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
       box,
       h("span", { class: "name" }, LAYER_LABELS[layer]),
       h("kbd", {}, key.toUpperCase()),
-      h("span", { class: "help" }, text),
+      h("span", { class: "help", id: help }, text),
     );
     return layer === "weights" ? [row, bones.element] : [row];
   });

@@ -3,7 +3,7 @@
 import { isChoice, type RangeSetting, type Setting } from "../../protocol/types";
 import { command, takeControl, type Desk, type Panel } from "../desk";
 import { button, h, newId, setText } from "../dom";
-import { significant, unitWords } from "../format";
+import { plainPowers, quantity, significant, typedNumber, unitWords } from "../format";
 import { ICONS } from "../icons";
 import { SLIDER_STEPS, clampTo, fromPosition, sameValue, toPosition } from "../slider-map";
 import { Throttle } from "../throttle";
@@ -30,8 +30,9 @@ function labelled(id: string, helpId: string) {
   );
   const name = (setting: Setting) => {
     setText(label, setting.label);
-    setText(help, setting.help);
-    more.title = setting.help;
+    const text = plainPowers(setting.help);
+    setText(help, text);
+    more.title = text;
     more.setAttribute("aria-label", `What ${setting.label} does`);
   };
   return { head: h("span", { class: "head" }, label, more), help, name };
@@ -108,7 +109,8 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
     "data-setting": key,
     "aria-describedby": helpId,
   });
-  const field = h("input", { type: "number", step: "any", class: "value" });
+  // Of text: a field of numbers would take no power of ten but one with an e.
+  const field = h("input", { type: "text", inputmode: "decimal", class: "value" });
   const unit = h("span", { class: "unit" });
   const back = button(
     "↺",
@@ -124,7 +126,7 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
   const show = (value: number) => {
     if (setting === null) return;
     range.value = String(Math.round(toPosition(value, setting)));
-    range.setAttribute("aria-valuetext", `${significant(value)} ${unitWords(setting.unit)}`);
+    range.setAttribute("aria-valuetext", quantity(value, setting.unit));
     if (document.activeElement !== field) field.value = significant(value, 4);
     back.hidden = sameValue(setting.own, value);
   };
@@ -139,7 +141,7 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
   });
   field.addEventListener("change", () => {
     if (setting === null) return;
-    const value = field.value.trim() === "" ? NaN : Number(field.value);
+    const value = typedNumber(field.value);
     if (Number.isFinite(value)) change(clampTo(value, setting), true);
     else show(setting.value);
   });
@@ -152,10 +154,8 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
       // Pure numbers have the unit 1.
       const unitText = next.unit === "1" ? "" : unitWords(next.unit);
       setText(unit, unitText);
-      unit.title = next.help;
+      unit.title = plainPowers(next.help);
       field.setAttribute("aria-label", unitText === "" ? next.label : `${next.label}, ${unitText}`);
-      field.min = String(next.min);
-      field.max = String(next.max);
       back.setAttribute("aria-label", `${next.label}: back to the scene's value`);
       back.title = "Back to the scene's value";
       back.hidden = sameValue(next.own, next.value);

@@ -3,7 +3,7 @@
 import type { HandsChoice } from "../../protocol/types";
 import { command, type Desk, type Panel } from "../desk";
 import { button, h, setText } from "../dom";
-import { bytes, fixed, significant } from "../format";
+import { bytes, fixed, namePaper, significant } from "../format";
 import { ICONS } from "../icons";
 import { overlapLines, overlapRemark } from "../overlaps";
 import { fillSceneMenu } from "../scene-menu";
@@ -89,7 +89,7 @@ export function runPanel(desk: Desk): Panel {
   };
   for (const name of ["status", "welcome", "open", "close"] as const) connection.on(name, refresh);
   feed.on("model", (model) => {
-    setText(about, model.description.replace(/\s+/g, " ").trim());
+    setText(about, namePaper(model.description.replace(/\s+/g, " ").trim()));
     overlaps.replaceChildren(...overlapLines(model.overlaps).map((line) => h("li", {}, line)));
     overlaps.hidden = model.overlaps.length === 0;
     const remark = overlapRemark(model.overlaps);
