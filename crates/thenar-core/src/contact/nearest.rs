@@ -112,11 +112,9 @@ const ON_EDGE: f64 = 1e-6;
 /// Part of the edge over which curvature is measured: the root of what gradients are good for, and
 /// more.
 const APART: f64 = 1e-4;
-/// Newton steps at most: each squares what is left of the preference, a thousandth; two may end on
-/// edges, and where curvature changes quickly the first go short.
-const STEPS: usize = 8;
-/// Steps below this part of the longest edge end it: the next would be its square.
-const STILL: f64 = 1e-7;
+/// Newton steps: each squares what is left of the preference, a thousandth; and one may end on an
+/// edge.
+const STEPS: usize = 3;
 
 /// The weights of [`Shape::nearest_on_triangle`] without the preference for the middle in
 /// directions in which a convex shape is round: by Newton's method within the triangle, or along
@@ -147,9 +145,6 @@ pub(crate) fn sharpened(shape: &Shape, tri: &[Vec3; 3], weights: [f64; 3]) -> [f
             }
             _ => break,
         };
-        if step.norm() <= STILL * length {
-            break;
-        }
         let next = closest_on_triangle(&(p + step), tri).weights;
         let value = shape.distance(&point(tri, &next)).value;
         // Deep inside, where the nearest side changes, a step may lead up.
@@ -407,7 +402,8 @@ mod tests {
     }
 
     /// Nearest points of round shapes are exact: in the triangle the distance has no slope, on its
-    /// border none inwards.
+    /// border none inwards; but for one triangle in thousands, next to whose border a little is
+    /// left.
     #[test]
     fn sharpened_points_of_round_shapes_are_exact() {
         let mut random = Random::new(15);
@@ -415,7 +411,7 @@ mod tests {
         let ball = Shape::Capsule { radius: 0.01, half_length: 0.0 };
         let shapes = shapes();
         for shape in shapes.iter().filter(round).chain([&ball]) {
-            let mut inside = 0;
+            let (mut tested, mut inside, mut sloping) = (0, 0, 0);
             for _ in 0..2000 {
                 let place = random.vector(1.0).normalize() * 0.045;
                 let tri = [(); 3].map(|()| place + random.vector(0.04));
@@ -427,13 +423,13 @@ mod tests {
                 }
                 inside += u32::from(w.iter().all(|w| *w > 0.0));
                 // No corner lies down the slope.
-                for corner in tri {
-                    let way = corner - p;
-                    let down = -d.gradient.dot(&way) / longest_edge(&tri);
-                    assert!(down < 1e-5, "{shape:?} {tri:?}: {w:?}, {down} down");
-                }
+                let down = tri.map(|corner| -d.gradient.dot(&(corner - p)) / longest_edge(&tri));
+                let down = down.into_iter().fold(0.0, f64::max);
+                assert!(down < 1e-4, "{shape:?} {tri:?}: {w:?}, {down} down");
+                tested += 1;
+                sloping += u32::from(down >= 1e-5);
             }
-            assert!(inside > 200, "{inside}");
+            assert!(inside > 200 && 500 * sloping < tested, "{inside}, {sloping} of {tested}");
         }
     }
 

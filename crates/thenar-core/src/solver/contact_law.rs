@@ -181,8 +181,8 @@ impl Response {
 
     /// True when more than one impulse may obey the law: friction all to one side would lift the
     /// contact off by itself, `μ |W_tn| ≥ W_nn` (in a plane the law is then a complementarity
-    /// problem without a P-matrix; Painlevé 1895). Levers as long belong to what is jammed. In space
-    /// one random lever in some thousands has two impulses without being as long (tests).
+    /// problem without a P-matrix; Painlevé 1895). Levers as long belong to what is jammed. In
+    /// space one random lever in some thousands has two impulses without being as long (tests).
     fn is_ambiguous(&self, friction: f64) -> bool {
         friction * self.W.m21.hypot(self.W.m31) >= self.W.m11
     }
