@@ -72,6 +72,14 @@ async function stands(page: Page): Promise<void> {
   }
 }
 
+/** Takes the hand where the script begins, high over the table: what the page last saw may be a later place. */
+async function leadFromTheStart(page: Page): Promise<void> {
+  await until(page, (t) => t.snapshot!.time > 1);
+  await read(page, (t) => t.app.connection.send({ type: "reset" }));
+  await until(page, (t) => t.snapshot!.time < 1);
+  await read(page, (t) => t.app.inputs.start("mouse"));
+}
+
 /** Drags the hand up by 16 px until the pointer leads it: the script moves it, and a press may come where it was. */
 async function dragUp(page: Page): Promise<void> {
   const end = Date.now() + 60_000;
@@ -140,8 +148,7 @@ const LOW = [
 
 test("in low windows no bar lies on the hand, the loaf or the rail", { timeout: 240_000 }, async () => {
   const { page, problems } = await controlling();
-  await read(page, (t) => t.app.connection.send({ type: "reset" }));
-  await read(page, (t) => t.app.inputs.start("mouse"));
+  await leadFromTheStart(page);
   await page.locator(".dock").waitFor();
   for (const [width, height] of LOW) {
     await page.setViewportSize({ width, height });
@@ -264,8 +271,7 @@ for (const [time, words] of MOMENTS) {
 
 test("a dragged hand shows what it is above, until it is let go", async () => {
   const { page, problems } = await controlling();
-  await read(page, (t) => t.app.connection.send({ type: "reset" }));
-  await read(page, (t) => t.app.inputs.start("mouse"));
+  await leadFromTheStart(page);
   await until(page, (t) => (t.snapshot!.flags & 32) !== 0);
   await stands(page);
   const marked = (): Promise<number | null> => read(page, (t) => t.app.stage.markedHeight);
@@ -300,8 +306,7 @@ test("a drag up beside the hand turns the camera, no lower than the table", asyn
 test("a drag down moves the tracked hand down, no nearer", async () => {
   const { page, problems } = await controlling();
   // From where the script begins, held still: what the visitor before left may be on its way yet.
-  await read(page, (t) => t.app.connection.send({ type: "reset" }));
-  await read(page, (t) => t.app.inputs.start("mouse"));
+  await leadFromTheStart(page);
   // The goal of the drag, as the page sends it: the tracked palm follows it through the table if need be.
   const tracked = (): Promise<number[]> =>
     read(page, (t) => {
@@ -328,8 +333,7 @@ test("a drag down leads to the loaf below the hand, where the hand is nearer tha
   const { page, problems } = await controlling();
   // It may lie over the hand.
   await page.locator(".hint").getByRole("button", { name: "Got it" }).click();
-  await read(page, (t) => t.app.connection.send({ type: "reset" }));
-  await read(page, (t) => t.app.inputs.start("mouse"));
+  await leadFromTheStart(page);
   await until(page, (t) => (t.snapshot!.flags & 32) !== 0);
   await stands(page);
   // Away from the camera and level, of length 1.

@@ -29,7 +29,7 @@ afterAll(async () => {
 for (const figure of FIGURES) {
   test(`${figure.name}: ${figure.text}`, async () => {
     const hash = `?quality=high${address(figure)}&ui=off`;
-    const { page, problems } = await open(browser, server.url, { hash, width: 960, height: 600 });
+    const { page, problems } = await open(browser, server.url, { hash, width: 960, height: 600, pixelRatio: 1 });
     await expect
       .poll(() => page.evaluate(() => document.documentElement.dataset["moment"]), { timeout: 240_000 })
       .toBe("reached");

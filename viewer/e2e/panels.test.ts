@@ -42,8 +42,8 @@ async function running(hash = ""): Promise<Awaited<ReturnType<typeof open>>> {
 }
 
 /** Opens the page at a moment of a scene and stops there. */
-async function at(hash: string): Promise<Awaited<ReturnType<typeof open>>> {
-  const opened = await open(browser, server.url, { hash });
+async function at(hash: string, pixelRatio = 0.5): Promise<Awaited<ReturnType<typeof open>>> {
+  const opened = await open(browser, server.url, { hash, pixelRatio });
   const end = Date.now() + 60_000;
   while ((await opened.page.evaluate(() => document.documentElement.dataset["moment"])) !== "reached") {
     if (Date.now() > end) throw new Error(`the moment of ${hash} was not reached`);
@@ -280,7 +280,7 @@ test("a recording is replayed, saved and loaded again", async () => {
 });
 
 test("a picture is saved, and shows skin, bread and wood", async () => {
-  const { page, problems } = await at("#scene=bread-grasp&t=3&ui=on");
+  const { page, problems } = await at("#scene=bread-grasp&t=3&ui=on", 1);
   await panel(page, "picture");
   const [file] = await Promise.all([
     page.waitForEvent("download"),

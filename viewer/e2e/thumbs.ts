@@ -31,7 +31,7 @@ afterAll(async () => {
 for (const { scene, t, view = "layers=skin,objects,shadows,ground" } of MOMENTS) {
   test(scene, async () => {
     const hash = `?quality=high#scene=${scene}&t=${t}&${view}&ui=off`;
-    const { page, problems } = await open(browser, server.url, { hash, width: FINER * WIDTH, height: FINER * HEIGHT });
+    const { page, problems } = await open(browser, server.url, { hash, width: FINER * WIDTH, height: FINER * HEIGHT, pixelRatio: 1 });
     await expect
       .poll(() => page.evaluate(() => document.documentElement.dataset["moment"]), { timeout: 240_000 })
       .toBe("reached");
