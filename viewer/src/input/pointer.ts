@@ -193,7 +193,7 @@ export class PointerPosing {
   private mark(): void {
     const { model, snapshot } = this.app.feed;
     const hand = this.posing.model;
-    const shown = this.dragging && model !== null && snapshot !== null && hand !== null;
+    const shown = this.dragging && this.posing.on && model !== null && snapshot !== null && hand !== null;
     this.app.stage.markBelow(shown ? aboveHold(hand, snapshot) : null);
   }
 

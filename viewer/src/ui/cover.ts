@@ -21,18 +21,20 @@ export function coveredBy(canvas: { readonly bottom: number; readonly height: nu
 /** Keeps the picture clear of the bars, which follow one another; not while a pointer is down, so that what is dragged
  * stays under it. */
 export function keepClear(stage: Stage, bars: readonly HTMLElement[]): void {
-  let down = false;
+  const down = new Set<number>();
   const refresh = () => {
-    if (down) return;
+    if (down.size > 0) return;
     const boxes = bars.map((bar) => bar.getBoundingClientRect());
     stage.setCovered(coveredBy(stage.canvas.getBoundingClientRect(), boxes));
   };
-  const hold = (now: boolean) => () => {
-    down = now;
-    refresh();
-  };
-  window.addEventListener("pointerdown", hold(true), { capture: true });
-  for (const end of ["pointerup", "pointercancel"] as const) window.addEventListener(end, hold(false), { capture: true });
+  window.addEventListener("pointerdown", ({ pointerId }) => down.add(pointerId), { capture: true });
+  for (const end of ["pointerup", "pointercancel"] as const) {
+    const release = ({ pointerId }: PointerEvent) => {
+      down.delete(pointerId);
+      refresh();
+    };
+    window.addEventListener(end, release, { capture: true });
+  }
   const observer = new ResizeObserver(refresh);
   for (const part of [stage.canvas, ...bars]) observer.observe(part);
 }

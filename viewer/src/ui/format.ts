@@ -28,14 +28,12 @@ function raised(exponent: string): string {
 
 /** The number that someone types: as the page writes it, with an e, or with 10^; NaN if it is none. */
 export function typedNumber(text: string): number {
-  const plain = text
-    .replace(/[⁰¹²³⁴-⁹]/g, (digit) => String(RAISED.indexOf(digit)))
-    .replaceAll("⁻", "-")
-    .replaceAll("−", "-")
-    .replace(/\s*[×·*]\s*10\^?/, "e")
-    .replace(/^\s*10\^/, "1e")
-    .trim();
-  return plain === "" ? NaN : Number(plain);
+  const plain = text.replaceAll("−", "-").trim();
+  const power = /^(?:(.*\S)\s*[×·*]\s*)?10(?:\^([+-]?\d+)|([⁻⁺]?[⁰¹²³⁴-⁹]+))$/.exec(plain);
+  if (power === null) return plain === "" ? NaN : Number(plain);
+  const [, mantissa = "1", written, above = ""] = power;
+  const lowered = [...above].map((sign) => ({ "⁻": "-", "⁺": "+" })[sign] ?? String(RAISED.indexOf(sign)));
+  return Number(`${mantissa}e${written ?? lowered.join("")}`);
 }
 
 /** A unit with its powers raised: N/m^4 becomes N/m⁴. */

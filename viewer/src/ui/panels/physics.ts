@@ -110,7 +110,7 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
     "aria-describedby": helpId,
   });
   // Of text: a field of numbers would take no power of ten but one with an e.
-  const field = h("input", { type: "text", inputmode: "decimal", class: "value" });
+  const field = h("input", { type: "text", class: "value" });
   const unit = h("span", { class: "unit" });
   const back = button(
     "↺",
