@@ -80,6 +80,25 @@ async function leadFromTheStart(page: Page): Promise<void> {
   await read(page, (t) => t.app.inputs.start("mouse"));
 }
 
+/** Where the tracked palm is, world frame, m: the goal of a drag, as the page sends it, through the table if need be. */
+async function tracked(page: Page): Promise<number[]> {
+  return read(page, (t) => {
+    const at = 7 * t.model!.hands[0]!.target_start;
+    return Array.from(t.snapshot!.targets.subarray(at, at + 3));
+  });
+}
+
+/** Drags the palm down by 60 px, and waits until the tracked one has gone 15 mm. */
+async function dragDown(page: Page): Promise<void> {
+  const before = await tracked(page);
+  const { x, y } = await palm(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 12; i++) await page.mouse.move(x, y + 5 * i);
+  await page.mouse.up();
+  await expect.poll(async () => before[1]! - (await tracked(page))[1]!, { timeout: 60_000 }).toBeGreaterThan(0.015);
+}
+
 /** Drags the hand up by 16 px until the pointer leads it: the script moves it, and a press may come where it was. */
 async function dragUp(page: Page): Promise<void> {
   const end = Date.now() + 60_000;
@@ -307,22 +326,11 @@ test("a drag down moves the tracked hand down, no nearer", async () => {
   const { page, problems } = await controlling();
   // From where the script begins, held still: what the visitor before left may be on its way yet.
   await leadFromTheStart(page);
-  // The goal of the drag, as the page sends it: the tracked palm follows it through the table if need be.
-  const tracked = (): Promise<number[]> =>
-    read(page, (t) => {
-      const at = 7 * t.model!.hands[0]!.target_start;
-      return Array.from(t.snapshot!.targets.subarray(at, at + 3));
-    });
   await until(page, (t) => (t.snapshot!.flags & 32) !== 0);
   await stands(page);
-  const before = await tracked();
-  const { x, y } = await palm(page);
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  for (let i = 1; i <= 12; i++) await page.mouse.move(x, y + 5 * i);
-  await page.mouse.up();
-  await expect.poll(async () => before[1]! - (await tracked())[1]!, { timeout: 60_000 }).toBeGreaterThan(0.015);
-  const after = await tracked();
+  const before = await tracked(page);
+  await dragDown(page);
+  const after = await tracked(page);
   // Level: less than a tenth of the way down, where the plane of the picture would bring 0.2 of it nearer.
   const level = Math.hypot(after[0]! - before[0]!, after[2]! - before[2]!);
   expect(level).toBeLessThan(0.1 * (before[1]! - after[1]!));
@@ -345,22 +353,12 @@ test("a drag down leads to the loaf below the hand, where the hand is nearer tha
     posing.moveWrist(level.clone().multiplyScalar(-0.04).setY(0.02));
     return [level.x, level.z] as const;
   });
-  const tracked = (): Promise<number[]> =>
-    read(page, (t) => {
-      const at = 7 * t.model!.hands[0]!.target_start;
-      return Array.from(t.snapshot!.targets.subarray(at, at + 3));
-    });
   await page.waitForTimeout(500);
   await stands(page);
-  const before = await tracked();
-  const { x, y } = await palm(page);
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  for (let i = 1; i <= 12; i++) await page.mouse.move(x, y + 5 * i);
-  await page.mouse.up();
-  await expect.poll(async () => before[1]! - (await tracked())[1]!, { timeout: 60_000 }).toBeGreaterThan(0.015);
+  const before = await tracked(page);
+  await dragDown(page);
   await stands(page);
-  const after = await tracked();
+  const after = await tracked(page);
   const [farther, lower] = [(after[0]! - before[0]!) * away[0] + (after[2]! - before[2]!) * away[1], before[1]! - after[1]!];
   // The hold begins some 90 mm above the loaf's middle; all but 20 mm of the 40, and of the centimetre or so that the
   // script itself is off, lie on the way: 0.2 to 0.4. No plane leans farther than 30 degrees.
