@@ -100,7 +100,7 @@ impl Direct {
     ) {
         debug_assert_eq!(r.u.len(), z.u.len(), "freedoms asked, freedoms answered");
         debug_assert_eq!(r.w.len(), z.w.len(), "nodes asked, nodes answered");
-        self.factor.gather(&r.w);
+        self.factor.gather(&r.w, r.largest());
         self.factor.forward();
         z.u.copy_from_slice(&r.u);
         let Self { factor, half, flesh_of_group, schur, sums } = self;
@@ -108,7 +108,8 @@ impl Direct {
             let (flesh, u) = (&flesh_of_group[g], &mut z.u[dofs.clone()]);
             if !flesh.is_empty() {
                 dispatch!(factor.level, simd => pull_of_flesh(simd, factor, half, flesh, sums));
-                u.iter_mut().zip(sums.as_flattened()).for_each(|(u, s)| *u -= f64::from(*s));
+                let pulls = sums.as_flattened().iter().map(|s| factor.unscaled(*s));
+                u.iter_mut().zip(pulls).for_each(|(u, pull)| *u -= pull);
             }
             let l = &schur[coarse.block(g)];
             small_cholesky::forward(l, dofs.len(), u);
@@ -116,7 +117,7 @@ impl Direct {
             if !flesh.is_empty() {
                 let numbers = sums.as_flattened_mut();
                 numbers.fill(0.0);
-                numbers.iter_mut().zip(u.iter()).for_each(|(s, u)| *s = *u as Scalar);
+                numbers.iter_mut().zip(u.iter()).for_each(|(s, u)| *s = factor.scaled(*u));
                 dispatch!(factor.level, simd => follow_bodies(simd, factor, half, flesh, sums));
             }
         }

@@ -16,6 +16,15 @@ pub const LANES: usize = 16;
 /// One number of each of them.
 pub type Lanes = [Scalar; LANES];
 
+/// The largest number of a right-hand side comes between half of this and this, so that what
+/// follows from it neither overflows nor becomes subnormal: processors take a hundred times as long
+/// for a product with a subnormal number.
+const LARGEST: f64 = (1_u64 << 32) as f64;
+/// Smaller numbers of such a right-hand side count as zero: by a factor of 2⁶⁴ smaller than the
+/// largest, where single precision tells 2²⁴ apart. What is left of earlier steps in a body that
+/// nothing touches is 10⁴⁰ times smaller than what a contact elsewhere does.
+const SMALLEST: f64 = 1.0 / LARGEST;
+
 /// The factor, and work space to compute it and solve with it.
 #[derive(Clone, Debug)]
 pub struct Factor {
@@ -26,8 +35,10 @@ pub struct Factor {
     panels: Aligned<Scalar>,
     /// The outer product of one supernode.
     update: Aligned<Scalar>,
-    /// One right-hand side, in elimination order.
+    /// One right-hand side, in elimination order, times `scale`.
     pub x: Vec<Scalar>,
+    /// A power of two.
+    scale: f64,
     /// One supernode's rows of it.
     column: Aligned<Scalar>,
 }
@@ -44,6 +55,7 @@ impl Factor {
             panels: Aligned::new(symbolic.size),
             update: Aligned::new(update),
             x: vec![0.0; n],
+            scale: 1.0,
             column: Aligned::new(column),
             symbolic,
         }
@@ -122,21 +134,35 @@ impl Factor {
         }
     }
 
-    /// Brings a right-hand side per node into elimination order.
-    pub fn gather(&mut self, w: &[Vec3]) {
+    /// Brings a right-hand side per node into elimination order and to the factor's scale;
+    /// `largest` is the largest of its numbers and of those that bodies have beside it.
+    pub fn gather(&mut self, w: &[Vec3], largest: f64) {
         debug_assert_eq!(w.len(), self.symbolic.place_of_node.len(), "nodes, planned for");
-        for (w, place) in w.iter().zip(&self.symbolic.place_of_node) {
+        self.scale = scale_of(largest);
+        for (n, w) in w.iter().enumerate() {
+            let place = self.symbolic.place_of_node[n] as usize;
             for k in 0..3 {
-                self.x[3 * *place as usize + k] = w[k] as Scalar;
+                self.x[3 * place + k] = self.scaled(w[k]);
             }
         }
+    }
+
+    /// A number beside the right-hand side at the factor's scale.
+    pub fn scaled(&self, value: f64) -> Scalar {
+        let value = value * self.scale;
+        if value.abs() < SMALLEST { 0.0 } else { value as Scalar }
+    }
+
+    /// The number that [`Factor::scaled`] makes this one of.
+    pub fn unscaled(&self, value: Scalar) -> f64 {
+        f64::from(value) / self.scale
     }
 
     /// Brings the solution back.
     pub fn spread(&self, w: &mut [Vec3]) {
         for (w, place) in w.iter_mut().zip(&self.symbolic.place_of_node) {
             for k in 0..3 {
-                w[k] = self.x[3 * *place as usize + k] as f64;
+                w[k] = self.unscaled(self.x[3 * *place as usize + k]);
             }
         }
     }
@@ -188,6 +214,16 @@ impl Factor {
             substitution::forward_many(simd, &panels[node.panel()], node, rows, x);
         });
     }
+}
+
+/// The power of two that brings a number between half of [`LARGEST`] and that.
+fn scale_of(largest: f64) -> f64 {
+    if !(f64::MIN_POSITIVE * LARGEST..f64::MAX).contains(&largest) {
+        return 1.0;
+    }
+    // The mantissa away: the power of two at or below it, and exact.
+    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+    0.5 * LARGEST / power
 }
 
 #[cfg(test)]
@@ -248,15 +284,52 @@ mod tests {
             let mut x: Vec<Vec3> =
                 (0..n).map(|i| A.row_times(i, &want) + want[i] * springs[i]).collect();
             let rhs = x.clone();
-            factor.gather(&x);
+            factor.gather(&x, largest(&x));
             factor.forward();
             factor.backward();
             factor.spread(&mut x);
             let error = x.iter().zip(&want).map(|(x, w)| (x - w).norm()).fold(0.0, f64::max);
             assert!(error < 1e4 * f64::from(Scalar::EPSILON), "{cells:?}: {error}");
             half_solves_give(&factor, &rhs, &x);
+            solves_alike_at_any_size(&mut factor, &rhs, &x);
+            takes_no_subnormal_numbers(&mut factor, &rhs);
             agree_at_all_levels(factor, &system, &rhs, &x);
         }
+    }
+
+    fn largest(w: &[Vec3]) -> f64 {
+        w.iter().map(|w| w.amax()).fold(0.0, f64::max)
+    }
+
+    /// A right-hand side 10¹²⁰ times as large or small, far beyond single precision, has a solution
+    /// that is as much larger or smaller, to the bit.
+    fn solves_alike_at_any_size(factor: &mut Factor, rhs: &[Vec3], solution: &[Vec3]) {
+        for scale in [2_f64.powi(-400), 2_f64.powi(400)] {
+            let mut x: Vec<Vec3> = rhs.iter().map(|r| r * scale).collect();
+            factor.gather(&x, largest(&x));
+            factor.forward();
+            factor.backward();
+            factor.spread(&mut x);
+            assert!(x.iter().zip(solution).all(|(x, y)| *x == y * scale));
+        }
+    }
+
+    /// Two lattices that do not touch, one with forces 10⁻⁴⁰ of the other's: these count as zero, and
+    /// nothing on the way to the solution is subnormal.
+    fn takes_no_subnormal_numbers(factor: &mut Factor, rhs: &[Vec3]) {
+        let half = rhs.len() / 2;
+        let mut x: Vec<Vec3> = rhs.to_vec();
+        x[half..].iter_mut().for_each(|x| *x *= 1e-40);
+        factor.gather(&x, largest(&x));
+        let normal = |x: &[Scalar]| x.iter().all(|x| *x == 0.0 || x.is_normal());
+        assert!(normal(&factor.x));
+        factor.forward();
+        assert!(normal(&factor.x));
+        factor.backward();
+        assert!(normal(&factor.x));
+        factor.spread(&mut x);
+        assert!(x[..half].iter().all(|x| x.norm() > 0.0));
+        assert!(x[half..].iter().all(|x| *x == Vec3::zeros()));
     }
 
     /// The product of two columns' half solves is that of one column with the other's solution.
@@ -290,7 +363,7 @@ mod tests {
         for level in lesser.into_iter().flatten() {
             factor.level = level;
             assert!(factor.refresh(system));
-            factor.gather(rhs);
+            factor.gather(rhs, largest(rhs));
             factor.forward();
             factor.backward();
             let mut x = rhs.to_vec();

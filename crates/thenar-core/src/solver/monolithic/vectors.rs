@@ -77,6 +77,20 @@ pub fn renew<S: Simd>(simd: S, a: &mut [f64], s: f64, b: &[f64]) {
     );
 }
 
+/// The largest number without its sign; those that are not numbers are passed over.
+#[inline(always)]
+pub fn largest(v: &[f64]) -> f64 {
+    let mut largest = [0.0_f64; 4 * LANES];
+    for many in v.chunks(4 * LANES) {
+        for (v, largest) in many.iter().zip(&mut largest) {
+            if v.abs() > *largest {
+                *largest = v.abs();
+            }
+        }
+    }
+    largest.into_iter().fold(0.0, f64::max)
+}
+
 /// The largest squared length; numbers that are not finite are passed over.
 #[inline(always)]
 pub fn longest2(v: &[Vec3]) -> f64 {
@@ -118,6 +132,8 @@ mod tests {
             }
             let want = a.iter().map(|a| a.norm_squared()).fold(0.0, f64::max);
             assert_eq!(longest2(&a), want);
+            let want = a.iter().map(Vec3::amax).fold(0.0, f64::max);
+            assert_eq!(largest(flat(&a)), want);
         }
     }
 }
