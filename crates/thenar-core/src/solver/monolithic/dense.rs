@@ -259,3 +259,38 @@ pub fn take_off<S: Simd>(simd: S, from: &[Scalar], to: &mut [Scalar]) {
         to[k] -= from[k];
     }
 }
+
+/// `to -= from` in three columns, `strides` apart in `from` and in `to`: `length` numbers of each.
+/// Loops are laid out for runs of one to five nodes, which 94 in 100 of the default hand's are.
+#[inline(always)]
+pub fn take_off_columns<S: Simd>(
+    simd: S,
+    from: &[Scalar],
+    to: &mut [Scalar],
+    strides: [usize; 2],
+    length: usize,
+) {
+    match length {
+        3 => take_off_short::<3>(from, to, strides),
+        6 => take_off_short::<6>(from, to, strides),
+        9 => take_off_short::<9>(from, to, strides),
+        12 => take_off_short::<12>(from, to, strides),
+        15 => take_off_short::<15>(from, to, strides),
+        _ => {
+            for c in 0..3 {
+                take_off(simd, &from[c * strides[0]..][..length], &mut to[c * strides[1]..]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn take_off_short<const L: usize>(from: &[Scalar], to: &mut [Scalar], strides: [usize; 2]) {
+    let (from, to) = (&from[..2 * strides[0] + L], &mut to[..2 * strides[1] + L]);
+    for c in 0..3 {
+        let (from, to) = (&from[c * strides[0]..][..L], &mut to[c * strides[1]..][..L]);
+        for k in 0..L {
+            to[k] -= from[k];
+        }
+    }
+}

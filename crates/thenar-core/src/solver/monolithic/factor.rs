@@ -120,14 +120,21 @@ impl Factor {
             let panel = &mut self.panels[target.panel().start..];
             let runs = &self.symbolic.runs[segment.runs[0]..segment.runs[1]];
             for (r, columns) in runs.iter().enumerate() {
-                for column in columns.rows().take_while(|&column| column < 3 * segment.end) {
-                    let from = &self.update[column * stride + offset..][..3 * node.below];
-                    let place = columns.place + column - columns.row;
-                    let to = &mut panel[place * target.stride()..][..target.stride()];
+                let rows = columns.rows();
+                // The columns of a node have their rows in common.
+                for column in (rows.start..rows.end.min(3 * segment.end)).step_by(3) {
+                    let place = columns.place + column - rows.start;
+                    let from = &self.update[column * stride + offset..];
+                    let to = &mut panel[place * target.stride()..];
+                    let strides = [stride, target.stride()];
                     // The lower triangle only.
-                    dense::take_off(simd, &from[column..columns.rows().end], &mut to[place..]);
+                    for c in 0..3 {
+                        let from = &from[c * strides[0]..][column + c..rows.end];
+                        dense::take_off(simd, from, &mut to[c * strides[1] + place + c..]);
+                    }
                     for run in &runs[r + 1..] {
-                        dense::take_off(simd, &from[run.rows()], &mut to[run.place..]);
+                        let (from, to) = (&from[run.row..], &mut to[run.place..]);
+                        dense::take_off_columns(simd, from, to, strides, run.length);
                     }
                 }
             }
