@@ -76,7 +76,6 @@ struct Candidate {
     cost: f64,
     vertices: [u32; 2],
     stamps: [u32; 2],
-    point: Vec3,
 }
 
 impl Ord for Candidate {
@@ -207,7 +206,7 @@ impl Work {
 
     fn offer(&mut self, edge: [u32; 2]) -> Result<(), RigError> {
         self.look(edge)?;
-        self.heap.extend(self.candidate(edge).map(Reverse));
+        self.heap.extend(self.candidate(edge).map(|(candidate, _)| Reverse(candidate)));
         Ok(())
     }
 
@@ -249,8 +248,9 @@ impl Work {
         self.triangles[t as usize].map(|v| self.positions[v as usize])
     }
 
-    /// The collapse of an edge, with the best place for the new vertex; none if it is locked.
-    fn candidate(&self, [u, v]: [u32; 2]) -> Option<Candidate> {
+    /// The collapse of an edge, and the best place for the new vertex; none if it is locked. Places
+    /// are not kept in the heap, whose entries are moved often.
+    fn candidate(&self, [u, v]: [u32; 2]) -> Option<(Candidate, Vec3)> {
         let (u, v) = (u.min(v), u.max(v));
         if self.locked[u as usize] || self.locked[v as usize] {
             return None;
@@ -266,7 +266,7 @@ impl Work {
         // A short edge costs a little even on flat ground, so that flat parts thin out evenly.
         let cost = quadric.at(&point) + 1e-6 * quadric.A.trace() * (a - b).norm_squared();
         let stamps = [u, v].map(|x| self.stamps[x as usize]);
-        Some(Candidate { cost, vertices: [u, v], stamps, point })
+        Some((Candidate { cost, vertices: [u, v], stamps }, point))
     }
 
     /// The least-error point that keeps the volume, unless it runs away.
@@ -305,15 +305,15 @@ impl Work {
                 continue;
             }
             // Neighbours may have moved since it was offered.
-            let Some(fresh) = self.candidate([u, v]) else { continue };
+            let Some((fresh, point)) = self.candidate([u, v]) else { continue };
             if fresh.cost > next.cost * (1.0 + 1e-9) {
                 self.heap.push(Reverse(fresh));
             } else if self.valence([u, v]) <= VALENCE_MAX
                 && self.link_condition(u, v)
-                && self.keeps_shape(u, v, &fresh.point)
-                && self.keeps_short(u, v, &fresh.point)
+                && self.keeps_shape(u, v, &point)
+                && self.keeps_short(u, v, &point)
             {
-                self.collapse(u, v, fresh.point)?;
+                self.collapse(u, v, point)?;
             }
         }
         Ok(())
