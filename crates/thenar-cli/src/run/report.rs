@@ -7,7 +7,7 @@ use crate::words::{counted, joules};
 use serde_json::{Map, Value, json};
 use thenar_core::World;
 use thenar_core::histogram::Histogram;
-use thenar_core::model::{Digit, SolverKind};
+use thenar_core::model::Digit;
 use thenar_scene::session::{HandLoad, Session, StartOverlap};
 
 /// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3:
@@ -39,7 +39,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
     json!({
         "report_version": REPORT_VERSION,
         "scene": session.name(),
-        "solver": solver_name(world.desc().solver.kind),
+        "solver": world.desc().solver.kind.name(),
         "dt_s": world.time_step(),
         "steps": session.steps(),
         "simulated_s": simulated,
@@ -93,13 +93,6 @@ pub fn times(histogram: &Histogram) -> Value {
     })
 }
 
-fn solver_name(kind: SolverKind) -> &'static str {
-    match kind {
-        SolverKind::TwoStep => "two-step",
-        _ => "monolithic",
-    }
-}
-
 fn tets(session: &Session) -> usize {
     session.world().desc().softs.iter().map(|s| s.flesh.tets.len()).sum()
 }
@@ -133,7 +126,7 @@ pub fn print(session: &Session, outcome: &Outcome) {
         if outcome.wall > 0.0 { simulated / outcome.wall } else { 0.0 },
         session.steps(),
         world.time_step() * 1e3,
-        solver_name(world.desc().solver.kind),
+        world.desc().solver.kind.name(),
     );
     let bodies: String = match world.desc().rigids.len() {
         1 => "1 rigid body".into(),

@@ -128,6 +128,18 @@ pub enum SolverKind {
     DenseReference,
 }
 
+impl SolverKind {
+    /// The solver's name in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Monolithic => "monolithic",
+            Self::TwoStep => "two-step",
+            #[cfg(any(test, feature = "reference"))]
+            Self::DenseReference => "dense reference",
+        }
+    }
+}
+
 /// Mechanism that keeps a joint within its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointLimits {

@@ -3,7 +3,7 @@
 use super::case::{CaseError, SceneText};
 use std::path::Path;
 use thenar_core::World;
-use thenar_core::world::{ContactPoint, Input};
+use thenar_core::world::{ContactPoint, Failure, Input};
 use thenar_scene::format::MONOLITHIC_ONCE;
 use thenar_scene::session::Session;
 
@@ -64,8 +64,13 @@ impl Run {
     /// One step.
     pub fn step(&mut self) -> Result<(), CaseError> {
         let report = self.session.step(&mut ());
-        let (scene, time) = (self.session.name().to_string(), self.session.world().time());
-        match report.failure {
+        self.unless(report.failure)
+    }
+
+    /// The error that the solver's failure is, here and now.
+    pub fn unless(&self, failure: Option<Failure>) -> Result<(), CaseError> {
+        let (scene, time) = (self.session.name().to_string(), self.time());
+        match failure {
             Some(failure) => Err(CaseError::Failed { scene, time, failure }),
             None => Ok(()),
         }
