@@ -173,13 +173,24 @@ fn follow_bodies<S: Simd>(
     flesh: &[u32],
     values: &[Lanes],
 ) {
-    for (batch, values) in values.iter().enumerate() {
-        let u = f32x16::from_slice(simd, values);
+    // Two batches at a time: to sum the numbers of a register is most of the work.
+    for (pair, values) in values.chunks(2).enumerate() {
+        let u = f32x16::from_slice(simd, &values[0]);
+        let v = if values.len() > 1 { Some(f32x16::from_slice(simd, &values[1])) } else { None };
         for &s in flesh {
             let pivots = factor.symbolic.supernodes[s as usize].pivots();
-            let (rows, y) = (&half.batch(batch)[pivots.clone()], &mut factor.x[pivots]);
+            let y = &mut factor.x[pivots.clone()];
+            let rows = &half.batch(2 * pair)[pivots.clone()];
+            let Some(v) = v else {
+                for k in 0..rows.len() {
+                    y[k] -= sum(&(f32x16::from_slice(simd, &rows[k]) * u));
+                }
+                continue;
+            };
+            let more = &half.batch(2 * pair + 1)[pivots];
             for k in 0..rows.len() {
-                y[k] -= sum(&(f32x16::from_slice(simd, &rows[k]) * u));
+                let product = f32x16::from_slice(simd, &rows[k]) * u;
+                y[k] -= sum(&f32x16::from_slice(simd, &more[k]).mul_add(v, product));
             }
         }
     }
