@@ -64,11 +64,11 @@ impl Run {
     /// One step.
     pub fn step(&mut self) -> Result<(), CaseError> {
         let report = self.session.step(&mut ());
-        self.unless(report.failure)
+        self.check(report.failure)
     }
 
-    /// The error that the solver's failure is, here and now.
-    pub fn unless(&self, failure: Option<Failure>) -> Result<(), CaseError> {
+    /// An error, with scene and time, if the solver failed.
+    pub fn check(&self, failure: Option<Failure>) -> Result<(), CaseError> {
         let (scene, time) = (self.session.name().to_string(), self.time());
         match failure {
             Some(failure) => Err(CaseError::Failed { scene, time, failure }),

@@ -10,7 +10,7 @@ use crate::solver::monolithic::coarse::Coarse;
 use crate::solver::monolithic::factor::{Factor, LANES, Lanes, Scalar};
 use crate::solver::monolithic::half_solves::{HalfSolves, add_common_product};
 use crate::solver::monolithic::substitution::sum;
-use crate::solver::monolithic::{Coordinates, System, small_cholesky};
+use crate::solver::monolithic::{Coordinates, System, small_cholesky, vectors};
 use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16};
 use std::ops::Range;
 
@@ -100,7 +100,8 @@ impl Direct {
     ) {
         debug_assert_eq!(r.u.len(), z.u.len(), "freedoms asked, freedoms answered");
         debug_assert_eq!(r.w.len(), z.w.len(), "nodes asked, nodes answered");
-        self.factor.gather(&r.w, r.largest());
+        let largest = self.largest(r, system.bodies.groups());
+        self.factor.gather(&r.w, largest);
         self.factor.forward();
         z.u.copy_from_slice(&r.u);
         let Self { factor, half, flesh_of_group, schur, sums } = self;
@@ -123,6 +124,19 @@ impl Direct {
         }
         self.factor.backward();
         self.factor.spread(&mut z.w);
+    }
+
+    /// The largest number that the factor meets: of the nodes, and of the bodies that carry some.
+    fn largest(&self, r: &Coordinates, groups: &[Range<usize>]) -> f64 {
+        dispatch!(self.factor.level, _simd => {
+            let mut largest = vectors::largest(vectors::flat(&r.w));
+            for (freedoms, flesh) in groups.iter().zip(&self.flesh_of_group) {
+                if !flesh.is_empty() {
+                    largest = largest.max(vectors::largest(&r.u[freedoms.clone()]));
+                }
+            }
+            largest
+        })
     }
 }
 
@@ -173,7 +187,7 @@ fn follow_bodies<S: Simd>(
     flesh: &[u32],
     values: &[Lanes],
 ) {
-    // Two batches at a time: to sum the numbers of a register is most of the work.
+    // Two batches at a time, so that the numbers of one register are summed, not of two.
     for (pair, values) in values.chunks(2).enumerate() {
         let u = f32x16::from_slice(simd, &values[0]);
         let v = if values.len() > 1 { Some(f32x16::from_slice(simd, &values[1])) } else { None };

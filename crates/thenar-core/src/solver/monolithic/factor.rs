@@ -17,12 +17,14 @@ pub const LANES: usize = 16;
 pub type Lanes = [Scalar; LANES];
 
 /// The largest number of a right-hand side comes between half of this and this, so that what
-/// follows from it neither overflows nor becomes subnormal: processors are slow with subnormal
-/// numbers (solves of the default hand took 14 times as long).
+/// follows from it is far from both ends of single precision. Processors are slow with subnormal
+/// numbers: solves of the default hand took 14 times as long.
 const LARGEST: f64 = (1_u64 << 32) as f64;
-/// Smaller numbers of such a right-hand side count as zero: by a factor of 2⁶⁴ smaller than the
-/// largest, where single precision tells 2²⁴ apart. What is left of earlier steps in a body that
-/// nothing touches is 10⁴⁰ times smaller than what a contact elsewhere does.
+/// Smaller numbers of such a right-hand side count as zero: those below 2⁻⁶⁴ of the largest. What
+/// is left of earlier steps in a body that nothing touches is 10⁴⁰ times smaller than what a
+/// contact elsewhere does. The last change of a solve is at most 2·10⁴ times its tolerance
+/// (`RATE_MIN` in `pcg`), so that what is dropped of a light body beside a heavy one comes to less
+/// than the tolerance, if their inertias differ by less than 10¹⁵.
 const SMALLEST: f64 = 1.0 / LARGEST;
 
 /// The factor, and work space to compute it and solve with it.
@@ -39,7 +41,7 @@ pub struct Factor {
     pub x: Vec<Scalar>,
     /// A power of two.
     scale: f64,
-    /// One supernode's rows of it.
+    /// The rows of the right-hand side that one supernode reads or changes.
     column: Aligned<Scalar>,
 }
 
@@ -160,7 +162,7 @@ impl Factor {
         if value.abs() < SMALLEST { 0.0 } else { value as Scalar }
     }
 
-    /// The number that [`Factor::scaled`] makes this one of.
+    /// A number at the factor's scale, brought back.
     pub fn unscaled(&self, value: Scalar) -> f64 {
         f64::from(value) / self.scale
     }
@@ -299,7 +301,7 @@ mod tests {
             assert!(error < 1e4 * f64::from(Scalar::EPSILON), "{cells:?}: {error}");
             half_solves_give(&factor, &rhs, &x);
             solves_alike_at_any_size(&mut factor, &rhs, &x);
-            takes_no_subnormal_numbers(&mut factor, &rhs);
+            takes_no_subnormal_numbers(&mut factor, &rhs, &x);
             agree_at_all_levels(factor, &system, &rhs, &x);
         }
     }
@@ -321,22 +323,26 @@ mod tests {
         }
     }
 
-    /// Two lattices that do not touch, one with forces 10⁻⁴⁰ of the other's: these count as zero, and
-    /// nothing on the way to the solution is subnormal.
-    fn takes_no_subnormal_numbers(factor: &mut Factor, rhs: &[Vec3]) {
+    /// Two lattices that do not touch, one with forces much smaller than the other's: its solution
+    /// is as much smaller, to the bit, or zero from 10⁻⁴⁰ on, where nothing on the way to it is
+    /// subnormal.
+    fn takes_no_subnormal_numbers(factor: &mut Factor, rhs: &[Vec3], solution: &[Vec3]) {
         let half = rhs.len() / 2;
-        let mut x: Vec<Vec3> = rhs.to_vec();
-        x[half..].iter_mut().for_each(|x| *x *= 1e-40);
-        factor.gather(&x, largest(&x));
         let normal = |x: &[Scalar]| x.iter().all(|x| *x == 0.0 || x.is_normal());
-        assert!(normal(&factor.x));
-        factor.forward();
-        assert!(normal(&factor.x));
-        factor.backward();
-        assert!(normal(&factor.x));
-        factor.spread(&mut x);
-        assert!(x[..half].iter().all(|x| x.norm() > 0.0));
-        assert!(x[half..].iter().all(|x| *x == Vec3::zeros()));
+        for (scale, left) in [(2_f64.powi(-40), 2_f64.powi(-40)), (1e-40, 0.0), (0.0, 0.0)] {
+            let mut x: Vec<Vec3> = rhs.to_vec();
+            x[half..].iter_mut().for_each(|x| *x *= scale);
+            factor.gather(&x, largest(&x));
+            assert!(normal(&factor.x), "{scale}");
+            factor.forward();
+            assert!(normal(&factor.x), "{scale}");
+            factor.backward();
+            assert!(normal(&factor.x), "{scale}");
+            factor.spread(&mut x);
+            assert_eq!(x[..half], solution[..half], "{scale}");
+            let small = x[half..].iter().zip(&solution[half..]);
+            small.for_each(|(x, y)| assert_eq!(*x, y * left, "{scale}"));
+        }
     }
 
     /// The product of two columns' half solves is that of one column with the other's solution.

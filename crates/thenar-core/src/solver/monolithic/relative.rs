@@ -92,13 +92,6 @@ impl Coordinates {
         self.w.fill(Vec3::zeros());
     }
 
-    /// The largest of all numbers, without their signs.
-    pub fn largest(&self) -> f64 {
-        dispatch!(Level::new(), _simd => {
-            vectors::largest(&self.u).max(vectors::largest(flat(&self.w)))
-        })
-    }
-
     /// Scalar product.
     pub fn dot(&self, other: &Self) -> f64 {
         dispatch!(Level::new(), simd => {
