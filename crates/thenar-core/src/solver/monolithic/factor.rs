@@ -37,9 +37,9 @@ pub struct Factor {
     panels: Aligned<Scalar>,
     /// The outer product of one supernode.
     update: Aligned<Scalar>,
-    /// One right-hand side, in elimination order, times `scale`.
+    /// Right-hand side in elimination order, times `scale`.
     pub x: Vec<Scalar>,
-    /// A power of two.
+    /// Power of two by which the right-hand side is multiplied.
     scale: f64,
     /// The rows of the right-hand side that one supernode reads or changes.
     column: Aligned<Scalar>,

@@ -53,8 +53,8 @@ const MONOLITHIC: Scheme = Scheme {
     close_joints: false,
 };
 
-/// One step of `h` from where `start` is. Nothing compares with a monolithic solution that is less
-/// exact than asked for.
+/// Steps by `h` from where `start` is; an error where the monolithic solution is less exact than
+/// asked for, and nothing to compare with.
 fn stepped(start: &Run, scheme: &Scheme, h: f64) -> Result<World, CaseError> {
     let mut world = start.world().clone();
     let mut settings = world.desc().solver;
