@@ -8,12 +8,12 @@
 //!
 //! [`super::reaching`] has the first two, [`super::holding`] the third.
 
-use super::choose::Scratch;
 use super::felt::{Against, Use, carried, felt, foreseen, friction_used, side};
 use super::kind::GripKind;
 use super::memory::{GripMemory, Phase};
 use super::opposition::Opposition;
 use super::order::Order;
+use super::pair::Scratch;
 use super::size::{MARGIN, mass};
 use super::squeeze::wanted;
 use super::trouble::Trouble;

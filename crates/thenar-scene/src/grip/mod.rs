@@ -3,7 +3,7 @@
 //!
 //! 1. [`Opposition`]: how the pads of a kind stand against each other at every width that the hand
 //!    spans;
-//! 2. `choose`: opposed places of the object's surface for them, whatever its shape;
+//! 2. `pair` and `choose`: opposed places of the object's surface for them, whatever its shape;
 //! 3. `solve`: angles for a pad's place, by damped least squares within the joints' ranges;
 //! 4. `squeeze`: how hard pads push, by the force that is felt;
 //! 5. `hook`: fingers that bend around a handle instead;
@@ -24,6 +24,7 @@ mod loss;
 mod memory;
 mod opposition;
 mod order;
+mod pair;
 mod reaching;
 mod reasons;
 mod row;
