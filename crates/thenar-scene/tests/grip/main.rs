@@ -9,3 +9,4 @@ mod lateral;
 mod mirror;
 mod shapes;
 mod stage;
+mod survey;

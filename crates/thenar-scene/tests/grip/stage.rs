@@ -26,6 +26,8 @@ pub struct Stage {
     pub friction: f64,
     /// How much lower the thing is than the middle of the pads [m].
     pub drop: f64,
+    /// The end of the hold [s].
+    pub until: f64,
     /// Keys of the grip.
     pub more: String,
 }
@@ -42,6 +44,7 @@ impl Stage {
             h,
             friction: 0.8,
             drop: 0.0,
+            until: 4.5,
             more: String::new(),
         }
     }
@@ -77,7 +80,7 @@ impl Stage {
         pads_middle_at(&palm, gripping.opposition(self.kind).expect("learnt"), self.size[0])
     }
 
-    /// The scene's text: sets out at 0.1 s, lifts from 2 to 2.8 s, holds until 4.5 s.
+    /// The scene's text: sets out at 0.1 s, lifts from 2 to 2.8 s, holds from then on.
     pub fn text(&self) -> String {
         self.text_with(&self.grip(), self.side, -self.middle())
     }
@@ -112,11 +115,12 @@ impl Stage {
                  wrist = {{ position = [{x}, {y}, {z}], fingers = [0, 0, -1], back = [0, 1, 0] }}\n"
             )
         };
-        let keys = [(0.0, 0.0), (2.0, 0.0), (2.8, 0.1), (4.5, 0.1)].map(key).concat();
-        let (h, peg, object, friction) = (self.h, low - 0.01, &self.object, self.friction);
+        let keys = [(0.0, 0.0), (2.0, 0.0), (2.8, 0.1), (self.until, 0.1)].map(key).concat();
+        let Self { h, object, friction, until, .. } = self;
+        let peg = low - 0.01;
         let hand = self.hand(model);
         format!(
-            "version = 1\ntime_step = {h}\nduration = 4.5\n\
+            "version = 1\ntime_step = {h}\nduration = {until}\n\
              [[rigid]]\nname = \"peg\"\nshape = {{ kind = \"box\", size = [0.012, 0.02, 0.012] }}\n\
              motion = \"fixed\"\nposition = [0, {peg}, 0]\nfriction = 0.8\n\
              {object}\nname = \"thing\"\nfriction = {friction}\n\
@@ -141,9 +145,8 @@ pub struct Held {
     pub most: f64,
     /// How far the thing went up [m].
     pub lift: f64,
-    /// How far it goes in the hand in a second while that holds still [m]: twice what is between
-    /// its mean places from 3.5 to 4 s and in the half second after, since things swing about the
-    /// line between pads.
+    /// How far it goes in the hand in the last second, in which that holds still [m]: twice what is
+    /// between its mean places in both halves of it, since things swing about the line between pads.
     pub slip: f64,
     /// Farthest from its mean place in that second [m].
     pub swing: f64,
@@ -164,11 +167,12 @@ pub fn middle(session: &Session) -> Vec3 {
 
 pub fn hold(session: &mut Session) -> Held {
     let start = middle(session);
+    let end = session.steps_wanted() as f64 * session.world().time_step();
     let (mut most, mut still) = (0.0f64, Vec::new());
     for _ in 0..session.steps_wanted() {
         assert!(!session.step(&mut ()).non_finite);
         most = most.max(session.grip_state(0).map_or(0.0, |state| state.force));
-        if session.world().time() > 3.5 {
+        if session.world().time() > end - 1.0 {
             still.push(session.hand_wrist(0).inverse_point(&middle(session)));
         }
     }
