@@ -72,8 +72,9 @@ impl Scratch {
     }
 }
 
-/// Fills the memory with the best pairs of places on an object that fit between pads of a hand whose
-/// palm is at `palm`, world, and returns the least width of any pair \[m\].
+/// Fills the memory with the best pairs of places on an object that fit between pads of a hand
+/// whose palm is at `palm`, world. Returns the least width of any pair \[m\], infinite where there
+/// is none.
 pub fn pairs(
     opposition: &Opposition,
     world: &World,

@@ -146,7 +146,8 @@ pub struct Held {
     /// How far the thing went up [m].
     pub lift: f64,
     /// How far it goes in the hand in the last second, in which that holds still [m]: twice what is
-    /// between its mean places in both halves of it, since things swing about the line between pads.
+    /// between its mean places in both halves of it, since things swing about the line between
+    /// pads.
     pub slip: f64,
     /// Farthest from its mean place in that second [m].
     pub swing: f64,

@@ -1,28 +1,28 @@
-//! Objects of many shapes and weights are gripped by one line, without a force. A share of the
-//! grips that are known to hold runs here; `THENAR_CASES=all` runs all, and prints a line for each.
+//! Grips of objects of many shapes and weights, without a `force`. A share of those that are known
+//! to keep the object runs here; `THENAR_CASES=all` runs all, and prints a line for each.
 
 use crate::stage::{Held, Stage, hold, open};
 use thenar_scene::grip::GripKind;
 use thenar_testing::{cases_wanted, one_in};
 
-/// The hand of each kind: for touch, its left, and the paper's.
+/// Kinds, each with its hand.
 const GRIPS: [(GripKind, &str, &str); 3] = [
     (GripKind::Pinch, "touch", "right"),
     (GripKind::Tripod, "touch", "left"),
     (GripKind::Power, "paper", "right"),
 ];
-/// So much of an object is above the middle of the pads at most [m]: more would be in the hand as
-/// the scene begins.
+/// An object rises above the middle of the pads by this at most [m]: more would be in the hand as
+/// the scene begins. The tip of a cone, which is between fingers, rises by three times as much.
 const ABOVE: f64 = 0.015;
 /// The end of the hold [s]: a force that falls as pads take up the load has settled by then.
 const UNTIL: f64 = 7.0;
-/// By so much the drives give way to a weight [m].
+/// Drives give way to a weight by less than this [m].
 const GIVES_WAY: f64 = 8e-3;
-/// What goes on slower than this does not slip [m/s].
+/// Slower motion is not slip [m/s].
 const SLIP_MAX: f64 = 1e-4;
-/// A force that adapts is at most four times the one foreseen, which is twice the slip limit; a
-/// step may end a little above.
-const FORCE_MAX: f64 = 8.0 * 1.05;
+/// Ratio of a force that adapts to the one foreseen at most; a step may end a little above. What is
+/// foreseen is twice the slip limit, and 0.2 N at least.
+const RISE_MAX: f64 = 4.0 * 1.05;
 
 /// Shape that stands on the peg: lengths [mm], angle about the vertical [degrees].
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +77,8 @@ impl Shape {
         format!("shape = {shape}")
     }
 
-    /// Width between pads, and height on the peg [m]; a cone's origin is at a quarter of it.
+    /// Width between pads, a cone's at its base, and twice the height of its origin above the peg
+    /// [m].
     fn size(self) -> [f64; 2] {
         let mm = match self {
             Cuboid([x, y, z], _) | Ellipsoid([x, y, z]) => [x.min(z), y],
@@ -87,6 +88,15 @@ impl Shape {
             DumbBell(radius, apart) => [2.0 * radius, apart + 2.0 * radius],
         };
         mm.map(|x| 1e-3 * x)
+    }
+
+    /// How much lower than the middle of the pads its origin is [m].
+    fn drop(self) -> f64 {
+        let above = match self {
+            Cone(_, height) => 0.75e-3 * height - 3.0 * ABOVE,
+            _ => 0.5 * self.size()[1] - ABOVE,
+        };
+        above.max(0.0)
     }
 }
 
@@ -131,44 +141,52 @@ const OBJECTS: [(Shape, f64, f64, [End; 3]); 20] = [
     (Ellipsoid([30.0, 50.0, 30.0]), 0.05, 0.6, [Lost, Kept, Kept]),
     (Ellipsoid([60.0, 40.0, 40.0]), 0.08, 0.7, [Kept, Kept, Lost]),
     (Cone(15.0, 60.0), 0.03, 0.6, [Kept, Kept, Slips]),
-    (Cone(30.0, 80.0), 0.1, 0.9, [Kept, Sags, Lost]),
+    (Cone(30.0, 80.0), 0.1, 0.9, [Kept, Lost, Lost]),
     (Cone(25.0, 40.0), 0.05, 1.0, [Lost, Lost, Lost]),
     (DumbBell(15.0, 40.0), 0.1, 0.8, [Kept, Kept, Kept]),
 ];
 
+/// What a grip is, how it ends, and the slip limit `m g / (2 μ)` [N].
 fn grip(case: usize) -> (String, Held, f64) {
     let (shape, mass, friction, _) = OBJECTS[case / GRIPS.len()];
     let (kind, preset, side) = GRIPS[case % GRIPS.len()];
     let h = [5e-3, 1e-2][case / GRIPS.len() % 2];
-    let size = shape.size();
     let stage = Stage {
         side,
         object: format!("[[rigid]]\n{}\nmass = {mass}", shape.text()),
-        size,
-        drop: (0.5 * size[1] - ABOVE).max(0.0),
+        size: shape.size(),
+        drop: shape.drop(),
         friction,
         until: UNTIL,
         ..Stage::ball(preset, kind, 1.0, h)
     };
-    let held = hold(&mut open(&stage.text().replace("force = 1\n", "")));
-    let over = held.force / (mass * 9.81 / (2.0 * friction));
-    (format!("{shape:?}, {kind:?} at {h} s"), held, over)
+    let mut session = open(&stage.text().replace("force = 1\n", ""));
+    let mut name = format!("{shape:?}, {kind:?} at {h} s");
+    // The widest reach into the thumb at rest.
+    if let Some(overlap) = session.start_overlaps().first() {
+        name += &format!(" (begins {:.1} mm in the hand)", 1e3 * overlap.depth);
+    }
+    (name, hold(&mut session), mass * 9.81 / (2.0 * friction))
 }
 
-/// Nothing ends worse than is known, and what is kept is kept with a force that the law of grips
+/// No grip ends worse than is known, and no object is kept with more force than the law of grips
 /// allows.
 #[test]
-fn plain_objects_are_kept() {
+fn grips_of_plain_objects_end_no_worse_than_known() {
     let known = |case: &usize| OBJECTS[case / GRIPS.len()].3[case % GRIPS.len()];
     let every = 0..OBJECTS.len() * GRIPS.len();
     let whole = cases_wanted().is_some_and(|wanted| wanted == "all");
-    let mut ends = Vec::new();
-    for case in one_in(11, every.filter(|case| whole || known(case) == Kept)) {
-        let (name, held, over) = grip(case);
-        let end = End::of(&held);
-        println!("{case:2} {end:?}, {over:.2} times the slip limit: {name}, {held:?}");
-        assert!(end >= known(&case), "{name} was {:?}: {held:?}", known(&case));
-        assert!(end < Kept || (1.0..FORCE_MAX).contains(&over), "{name}: {over}, {held:?}");
+    let (mut ends, mut worse) = (Vec::new(), Vec::new());
+    for case in one_in(10, every.filter(|case| whole || known(case) == Kept)) {
+        let (name, held, limit) = grip(case);
+        let (end, known, over) = (End::of(&held), known(&case), held.force / limit);
+        let line = format!("{case:2} {end:?}, {over:.2} times the slip limit: {name}, {held:?}");
+        let than = if end > known { format!("better than {known:?}") } else { String::new() };
+        println!("{line} {than}");
+        let allowed = limit..RISE_MAX * f64::max(2.0 * limit, 0.2);
+        if end < known || (end == Kept && !allowed.contains(&held.force)) {
+            worse.push(format!("{line}, was {known:?}"));
+        }
         ends.push((end, over));
     }
     let count = |is: &dyn Fn(&(End, f64)) -> bool| ends.iter().filter(|end| is(end)).count();
@@ -178,4 +196,5 @@ fn plain_objects_are_kept() {
         ends.len(),
         count(&|(end, over)| *end == Kept && (1.1..2.0).contains(over)),
     );
+    assert!(worse.is_empty(), "{worse:#?}");
 }
