@@ -20,8 +20,8 @@ const UNTIL: f64 = 7.0;
 const GIVES_WAY: f64 = 8e-3;
 /// Slower motion is not slip [m/s].
 const SLIP_MAX: f64 = 1e-4;
-/// Ratio of a force that adapts to the one foreseen at most; a step may end a little above. What is
-/// foreseen is twice the slip limit, and 0.2 N at least.
+/// Ratio of a force that adapts to the one foreseen at most; a step may end a little above. The
+/// force foreseen is twice the slip limit, and 0.2 N at least.
 const RISE_MAX: f64 = 4.0 * 1.05;
 
 /// Shape that stands on the peg: lengths [mm], angle about the vertical [degrees].
@@ -146,7 +146,7 @@ const OBJECTS: [(Shape, f64, f64, [End; 3]); 20] = [
     (DumbBell(15.0, 40.0), 0.1, 0.8, [Kept, Kept, Kept]),
 ];
 
-/// What a grip is, how it ends, and the slip limit `m g / (2 μ)` [N].
+/// Name of a grip, its end, and the slip limit `m g / (2 μ)` [N].
 fn grip(case: usize) -> (String, Held, f64) {
     let (shape, mass, friction, _) = OBJECTS[case / GRIPS.len()];
     let (kind, preset, side) = GRIPS[case % GRIPS.len()];
@@ -181,8 +181,8 @@ fn grips_of_plain_objects_end_no_worse_than_known() {
         let (name, held, limit) = grip(case);
         let (end, known, over) = (End::of(&held), known(&case), held.force / limit);
         let line = format!("{case:2} {end:?}, {over:.2} times the slip limit: {name}, {held:?}");
-        let than = if end > known { format!("better than {known:?}") } else { String::new() };
-        println!("{line} {than}");
+        let than = if end > known { ", better than is known" } else { "" };
+        println!("{line}{than}");
         let allowed = limit..RISE_MAX * f64::max(2.0 * limit, 0.2);
         if end < known || (end == Kept && !allowed.contains(&held.force)) {
             worse.push(format!("{line}, was {known:?}"));
