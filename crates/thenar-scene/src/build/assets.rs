@@ -1,6 +1,7 @@
 //! Files and built-in objects, through the rig.
 
 use super::hand_cache::hand_of;
+use super::mesh_cache::{car_of, rigid_of, soft_of};
 use super::shape::Solid;
 use super::{Files, tissue};
 use crate::format::{
@@ -15,10 +16,10 @@ use thenar_input::quoted;
 use thenar_rig::embed::{EmbedOptions, can_be_closed, closed_surface, embed};
 use thenar_rig::glb::skinned_names;
 use thenar_rig::hand::{HandOptions, Size, Springs, asset, graded_tets};
-use thenar_rig::mesh::{GridOptions, load_mesh, read_file};
+use thenar_rig::mesh::{load_mesh, read_file};
 use thenar_rig::object::{
-    Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
-    bread as bread_of, rigid_from_mesh, soft_from_tets, toy_car,
+    Ball, Bread, Car, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
+    bread as bread_of, soft_from_tets,
 };
 use thenar_rig::{Model, RigError, read_model};
 
@@ -126,8 +127,10 @@ pub fn soft_mesh(shape: &MeshSoftShape, files: &Files) -> Result<SoftModel, Faul
         Err(error) => return Err(fault(error.to_string())),
     };
     let options = EmbedOptions { tets: shape.tets as usize, ..EmbedOptions::default() };
-    let embedded = embed(&mesh, &options, |_| unit()).map_err(|e| fault(e.to_string()))?;
-    Ok(SoftModel { name: String::new(), flesh: embedded.flesh, render: embedded.render })
+    soft_of(mesh, shape.tets, |mesh| {
+        let embedded = embed(mesh, &options, |_| unit()).map_err(|e| fault(e.to_string()))?;
+        Ok(SoftModel { name: String::new(), flesh: embedded.flesh, render: embedded.render })
+    })
 }
 
 /// The command that makes a model of a mesh whose holes can be closed, and how the scene takes it.
@@ -153,10 +156,10 @@ pub fn car(car: &CarShape, weight: Weight, at: &Located<impl Sized>) -> Result<S
         Weight::Mass(mass) => mass,
         Weight::Density(density) => {
             let unit = Car { length: car.length, mass: 1.0 };
-            density * toy_car(&unit).map_err(fault)?.1.volume
+            density * car_of(&unit).map_err(fault)?.1
         }
     };
-    toy_car(&Car { length: car.length, mass }).map(|(model, _)| Solid::from(model)).map_err(fault)
+    car_of(&Car { length: car.length, mass }).map(|(model, _)| Solid::from(model)).map_err(fault)
 }
 
 /// A rigid body from a mesh file.
@@ -172,10 +175,8 @@ pub fn rigid_mesh(mesh: &MeshShape, weight: Weight, files: &Files) -> Result<Sol
         };
     }
     let read = load_mesh(&path, mesh.scale).map_err(|e| mesh.file.fault(e.to_string()))?;
-    let grid = GridOptions { cells: mesh.grid, ..GridOptions::default() };
-    let options = ImportOptions { grid, ..ImportOptions::default() };
-    rigid_from_mesh("mesh", &read, weight, &options)
-        .map(|(model, _)| Solid::from(model))
+    rigid_of(read, mesh.grid, weight)
+        .map(Solid::from)
         .map_err(|e| mesh.file.fault(format!("{}: {e}", path.display())))
 }
 

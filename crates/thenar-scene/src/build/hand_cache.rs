@@ -1,13 +1,11 @@
 //! Hands that were built before in this process: a scene that is opened again, mirrored or swept
 //! builds each of its hands once.
 //!
-//! A hand is known by all that it is made from, the bytes of its mesh and its options, so that no
-//! entry can be stale. Those used last are kept here, and in a folder where the program has one
-//! (`hand_store`).
+//! A hand is known by all that it is made from, the bytes of its mesh and its options. Those used
+//! last are kept here, and in a folder where the program has one (`hand_store`).
 
 use super::hand_store::store;
-use std::collections::VecDeque;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use super::recent::Recent;
 use thenar_core::model::{Flesh, HandModel, PoseOffsets, Skinning};
 use thenar_rig::RigError;
 use thenar_rig::hand::{HandOptions, build_hand, sculpted_offsets};
@@ -24,7 +22,7 @@ pub(super) struct Source {
     pub options: String,
 }
 
-static BUILT: Mutex<VecDeque<(Source, HandModel)>> = Mutex::new(VecDeque::new());
+static BUILT: Recent<Source, HandModel> = Recent::new(CAPACITY);
 
 /// [`build_hand`], or what that gave for the same bytes and options before.
 ///
@@ -33,34 +31,9 @@ static BUILT: Mutex<VecDeque<(Source, HandModel)>> = Mutex::new(VecDeque::new())
 pub fn hand_of(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigError> {
     let nameless = HandOptions { name: String::new(), ..options.clone() };
     let source = Source { bytes: bytes.to_vec(), options: format!("{nameless:?}") };
-    // Nobody waits for the lock while a hand is built.
-    let hand = match recall(&source) {
-        Some(hand) => hand,
-        None => {
-            let hand = stored_or_built(&source, &nameless)?;
-            let mut built = built();
-            // Another thread may have built it, too.
-            built.retain(|(key, _)| *key != source);
-            built.truncate(CAPACITY - 1);
-            built.push_front((source, hand.clone()));
-            hand
-        }
-    };
+    let make = |source: &Source| stored_or_built(source, &nameless);
+    let hand = BUILT.get_or_make(source, make, |_| 1)?;
     Ok(HandModel { name: options.name.clone(), ..hand })
-}
-
-fn built() -> MutexGuard<'static, VecDeque<(Source, HandModel)>> {
-    BUILT.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A hand of this process, which then is the one used last.
-fn recall(source: &Source) -> Option<HandModel> {
-    let mut built = built();
-    let at = built.iter().position(|(key, _)| key == source)?;
-    let entry = built.remove(at)?;
-    let hand = entry.1.clone();
-    built.push_front(entry);
-    Some(hand)
 }
 
 /// The hand from the program's folder, or a new one, which goes there.
@@ -79,10 +52,8 @@ fn stored_or_built(source: &Source, options: &HandOptions) -> Result<HandModel, 
 /// Sets of offsets kept, the last ones asked for.
 const OFFSETS_KEPT: usize = 4;
 
-/// Offsets that were measured before on the flesh of a hand.
-type MeasuredOffsets = (String, Vec<PoseOffsets>);
-
-static OFFSETS: Mutex<VecDeque<MeasuredOffsets>> = Mutex::new(VecDeque::new());
+/// Offsets that were measured before on the flesh of a hand, written out.
+static OFFSETS: Recent<String, Vec<PoseOffsets>> = Recent::new(OFFSETS_KEPT);
 
 /// [`sculpted_offsets`], or what that gave for the same hand before. A hand is known here by all
 /// that is written of its skeleton, its flesh and what binds the two.
@@ -96,16 +67,7 @@ pub fn offsets_of(hand: &HandModel, skinning: Skinning) -> Result<Vec<PoseOffset
         "{:?}",
         (bones, joints, (nodes, tets, materials, relaxation), bindings, bone_nodes, skinning)
     );
-    let lock = || OFFSETS.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = lock().iter().find(|(key, _)| *key == source).map(|(_, offsets)| offsets.clone());
-    if let Some(offsets) = known {
-        return Ok(offsets);
-    }
-    let offsets = sculpted_offsets(hand, skinning)?;
-    let mut known = lock();
-    known.truncate(OFFSETS_KEPT - 1);
-    known.push_front((source, offsets.clone()));
-    Ok(offsets)
+    OFFSETS.get_or_make(source, |_| sculpted_offsets(hand, skinning), |_| 1)
 }
 
 #[cfg(test)]
@@ -134,9 +96,8 @@ mod tests {
         let source = Source { bytes: bytes.to_vec(), options: format!("{:?}", options(60, "")) };
         for tets in (0..CAPACITY).map(|k| 100 + 10 * k) {
             hand_of(bytes, &options(tets, "a")).unwrap();
-            assert!(recall(&source).is_some());
+            assert!(BUILT.get(&source).is_some());
         }
-        assert!(BUILT.lock().unwrap().len() <= CAPACITY);
         let fresh = build_hand(bytes, &options(60, "a")).unwrap();
         assert_eq!(hand_of(bytes, &options(60, "a")).unwrap().flesh.nodes, fresh.flesh.nodes);
     }
