@@ -102,7 +102,8 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<AssembledModel, RigError>
         }
     };
     phase("binding the flesh to the bones")?;
-    let bindings = bindings(&lattice, &digits);
+    let samples = regions::digits_of_samples(&lattice, &digits);
+    let bindings = bindings(&lattice, &digits, &samples);
 
     let near = |p: &Vec3| bones::nearest(&bones, p);
     let collision_mesh = match &grading {
@@ -121,7 +122,7 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<AssembledModel, RigError>
     let body = Bvh::new(&smooth);
     let layers = layers::of_samples(&options.layers, &lattice, &sides, &body)?;
     phase("weighing the flesh")?;
-    let loose = Loose::new(&lattice, &digits);
+    let loose = Loose::new(&lattice, &digits, &samples);
     let softness = Softness { joint: options.joint_softness, root: options.root_softness };
     let flesh = Flesh {
         materials: materials(&lattice, &bones, &loose, &softness, &layers, options),
@@ -189,9 +190,8 @@ fn regions_of(mesh: &TriMesh, sides: &Sides) -> Vec<HandRegion> {
     (0..mesh.triangles.len()).map(|t| sides.of(&middle(t)).0).collect()
 }
 
-fn bindings(lattice: &Lattice, digits: &[DigitRig]) -> Vec<Binding> {
-    let samples = regions::digits_of_samples(lattice, digits);
-    let tets = regions::digits_of_tets(lattice, &samples);
+fn bindings(lattice: &Lattice, digits: &[DigitRig], samples: &[Digit]) -> Vec<Binding> {
+    let tets = regions::digits_of_tets(lattice, samples);
     let nodes = node_digits(lattice, &tets);
     let chains = weights::chains(digits);
     (lattice.nodes.iter().zip(&nodes))

@@ -36,8 +36,8 @@ pub(super) struct Loose {
 }
 
 impl Loose {
-    pub fn new(lattice: &Lattice, digits: &[DigitRig]) -> Self {
-        let samples = regions::digits_of_samples(lattice, digits);
+    /// `samples` are the digits of the inside points.
+    pub fn new(lattice: &Lattice, digits: &[DigitRig], samples: &[Digit]) -> Self {
         let chains = weights::chains(digits);
         let joint = |i: usize| {
             // 1 in the middle of a joint, where two bones carry the flesh equally, 0 beyond it.
