@@ -18,6 +18,7 @@ mod noise;
 mod noisy_hand;
 mod onset;
 mod rig;
+mod scripted;
 mod several;
 mod smooth;
 mod stiffness;

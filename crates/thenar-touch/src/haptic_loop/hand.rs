@@ -150,7 +150,8 @@ impl LoopHand {
             return false;
         }
         self.tracker = Some((tracker, now_ns));
-        if self.live.mover() == Mover::Script {
+        let takes_over = self.live.mover() == Mover::Script;
+        if takes_over {
             self.targets.copy_from_slice(&self.ends.frame.output_buffer_mut().targets);
             self.live.restart(&self.targets);
         }
@@ -162,7 +163,14 @@ impl LoopHand {
         }
         self.held.iter_mut().for_each(|held| held.doubt(false));
         // A pose that is none has been told of by the device; here it only ages.
-        if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
+        if self.live.pose(time, pose, &self.targets).is_err() {
+            return false;
+        }
+        if takes_over {
+            // So far the hand was where its bones are, which lag behind what the script wants.
+            (0..self.targets.len()).for_each(|bone| self.touch.set_out(bone));
+        }
+        if self.live.waits() {
             return false;
         }
         self.held = Some(HeldSample::new(pose, sample.time_ns, now_ns));
@@ -262,6 +270,11 @@ impl LoopHand {
             }
         }
         self.observe_palm(h);
+        if !leads {
+            // A script moves the hand, from frame to frame: its speed is no wearer's.
+            self.readings.iter_mut().flatten().for_each(|pad| pad.opening_velocity = 0.0);
+            self.palm_velocity = [[0.0; 3]; 2];
+        }
     }
 
     fn hand_over_state(&mut self) {

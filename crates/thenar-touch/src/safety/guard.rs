@@ -371,9 +371,10 @@ struct NewestInput {
 
 impl NewestInput {
     /// Age \[s\] of what carries this stamp. A stamp from the future or older than its
-    /// predecessor is no news: a wrong clock looks stale, never fresh.
+    /// predecessor is no news: a wrong clock looks stale, never fresh. 0 stands for never, however
+    /// young the clock is.
     fn age(&mut self, stamp: u64, now_ns: u64) -> f64 {
-        if stamp <= now_ns && self.newest.is_none_or(|newest| stamp > newest) {
+        if stamp > 0 && stamp <= now_ns && self.newest.is_none_or(|newest| stamp > newest) {
             self.newest = Some(stamp);
         }
         self.newest.map_or(f64::INFINITY, |newest| seconds_between(newest, now_ns))
