@@ -434,7 +434,8 @@ impl<'a> Run<'a> {
         self.stage.clock().core(|core| {
             let hand = &core.hands()[0];
             (out.stiffness, out.delay) = (hand.felt_stiffness(), hand.delay());
-            out.live = core.actuators().iter().all(|a| a.status() == Status::Live);
+            // The glove is worn on the first hand; nobody leads another one.
+            out.live = core.actuators().first().is_some_and(|a| a.status() == Status::Live);
         });
         self.out.clone()
     }

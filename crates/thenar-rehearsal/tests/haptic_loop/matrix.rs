@@ -1,9 +1,10 @@
 //! Goal: a hand that rests on what it feels comes to rest, whatever hand it is, however it is seen,
-//! in every mode and on what it holds. Method: rehearsals with the paper's hand at 200 tetrahedra,
-//! one hand, tracker, mode and scene each.
+//! in every mode and on what it holds, alone or with the other hand, which follows its script and
+//! its grip. Method: rehearsals with the paper's hands at 200 tetrahedra, one wearer, tracker, mode
+//! and scene each.
 //!
 //! Every 29th case runs here, which takes all hands, trackers, modes and scenes in turn;
-//! `THENAR_CASES=all` runs them all.
+//! `THENAR_CASES=all` runs them all, `THENAR_CASES="two hands"` those of a scene.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,10 +14,11 @@ use thenar_scene::session::Session;
 use thenar_touch::TrackerTiming;
 
 /// With the time at which the hand holds or presses.
-const SCENES: [(&str, &str, f64); 3] = [
+const SCENES: [(&str, &str, f64); 4] = [
     ("table", include_str!("../../../thenar-scene/scenes/table-press.toml"), 1.2),
     ("bread", include_str!("../../../thenar-scene/scenes/bread-grasp.toml"), 2.1),
     ("car", include_str!("../../../thenar-scene/scenes/car-grasp.toml"), 2.1),
+    ("two hands", include_str!("../../../thenar-scene/scenes/two-hands.toml"), 2.1),
 ];
 const MODES: [LoopMode; 3] = [LoopMode::Shared, LoopMode::Multirate, LoopMode::SingleRate];
 /// Mass \[kg\], damping \[N s/m\], stiffness \[N/m\].
@@ -33,6 +35,13 @@ const HANDS: [[f64; 3]; 8] = [
 /// Rate \[Hz\] and latency \[s\].
 const TRACKERS: [[f64; 2]; 4] = [[60.0, 0.0], [120.0, 0.0], [90.0, 0.02], [60.0, 0.05]];
 
+/// Makes each hand of a scene the paper's, at 200 tetrahedra.
+fn small(scene: &str) -> Vec<String> {
+    let hands = scene.matches("[[hand]]").count();
+    let of = |k: usize| [format!("hand.{k}.preset=paper"), format!("hand.{k}.tets=200")];
+    (0..hands).flat_map(of).collect()
+}
+
 fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
     // Of every 29th, which divides none of these numbers, each has a share.
     let [modes, hands, trackers] = [MODES.len(), HANDS.len(), TRACKERS.len()];
@@ -40,8 +49,7 @@ fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
     let [mass, damping, stiffness] = HANDS[case / modes % hands];
     let [rate, latency] = TRACKERS[case / (modes * hands) % trackers];
     let (scene, text, until) = SCENES[case / (modes * hands * trackers)];
-    let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
-    let session = Session::from_text(text, Path::new("test.toml"), &small).expect("a scene");
+    let session = Session::from_text(text, Path::new("test.toml"), &small(text)).expect("a scene");
     let what = Rehearsal {
         human: FingerImpedance { mass, damping, stiffness },
         tracker: TrackerTiming { rate, latency, noise: 0.0 },
@@ -94,11 +102,22 @@ fn check(name: &str, what: &Rehearsal, out: &Outcome) {
 #[test]
 fn every_hand_comes_to_rest() {
     let all = MODES.len() * HANDS.len() * TRACKERS.len() * SCENES.len();
-    let whole = thenar_testing::cases_wanted().is_some_and(|wanted| wanted == "all");
+    let wanted = thenar_testing::cases_wanted();
     // A simulation within the tick takes a third of a minute on soft bread.
-    let quick = |case: usize| MODES[case % MODES.len()] != LoopMode::SingleRate || case < all / 3;
-    let cases = (0..all).filter(|case| whole || (case % 29 == 5 && quick(*case)));
+    let table = all / SCENES.len();
+    let quick = |case: usize| MODES[case % MODES.len()] != LoopMode::SingleRate || case < table;
+    // It also refuses more hands than one.
+    let can = |case: &usize| {
+        let hands = SCENES[case / table].1.matches("[[hand]]").count();
+        hands == 1 || MODES[case % MODES.len()] != LoopMode::SingleRate
+    };
+    let cases = (0..all).filter(can).filter(|case| match wanted.as_deref() {
+        Some("all") => true,
+        Some(text) => SCENES[case / table].0.contains(text),
+        None => case % 29 == 5 && quick(*case),
+    });
     let cases: Vec<usize> = cases.collect();
+    assert!(!cases.is_empty(), "no scene is named {wanted:?}");
     let (next, threads) = (AtomicUsize::new(0), std::thread::available_parallelism());
     std::thread::scope(|scope| {
         for _ in 0..threads.map_or(1, |n| n.get()) {
@@ -126,9 +145,8 @@ fn a_heavy_loose_hand_decays_as_it_does_by_itself() {
 /// 2 kg, 1 N s/m and 50 N/m, pressed on a table and looked at for the second that ends so long
 /// after the push \[s\].
 fn heavy(after: f64) -> (Rehearsal, Outcome) {
-    let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
     let (_, text, until) = SCENES[0];
-    let session = Session::from_text(text, Path::new("test.toml"), &small).expect("a scene");
+    let session = Session::from_text(text, Path::new("test.toml"), &small(text)).expect("a scene");
     let human = FingerImpedance { mass: 2.0, damping: 1.0, stiffness: 50.0 };
     let tracker = TrackerTiming { rate: 120.0, latency: 0.0, noise: 0.0 };
     let (mode, grip, press, sway) = (LoopMode::Shared, Some(1.0), 0.01, None);
