@@ -11,7 +11,8 @@ const PRESSES: [(HandVariant, u32); 4] = [(OWN, 30), (OWN, 45), (SMALL, 30), (SM
 
 /// Why areas are too small, as far as is known.
 const SMALL_AREA: &str = "an element of 7 mm deforms the skin on it evenly and cannot flatten it: elastic flesh of 50 kPa touches with \
-                          24 mm² at 1 N, in cubes of 2.7 mm with 55; and bone is met at 3.0 to 3.6 mm, before a finger's area at 5 N";
+                          24 mm² at 1 N, in cubes of 2.7 mm with 55; with cubes half as large at the pads this hand has 33 to 50 mm² at 1 N and \
+                          36 to 80 at 5 N, as bone is met at 3.0 to 3.6 mm, before a finger's area at 5 N";
 
 fn recalled(figure: Figure) -> Figure {
     figure.rests_on(Basis::Recalled)
