@@ -344,6 +344,7 @@ test("a drag down leads to the loaf below the hand, where the hand is nearer tha
   await leadFromTheStart(page);
   await until(page, (t) => (t.snapshot!.flags & 32) !== 0);
   await stands(page);
+  const start = await tracked(page);
   // Away from the camera and level, of length 1.
   const away = await page.evaluate(() => {
     const { stage, inputs } = window.thenar.app;
@@ -353,7 +354,8 @@ test("a drag down leads to the loaf below the hand, where the hand is nearer tha
     posing.moveWrist(level.clone().multiplyScalar(-0.04).setY(0.02));
     return [level.x, level.z] as const;
   });
-  await page.waitForTimeout(500);
+  // On a busy machine it sets out late.
+  await expect.poll(async () => (await tracked(page))[1]! - start[1]!, { timeout: 60_000 }).toBeGreaterThan(0.015);
   await stands(page);
   const before = await tracked(page);
   await dragDown(page);

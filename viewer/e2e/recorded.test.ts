@@ -75,7 +75,7 @@ test("a recording plays, pauses, and goes to any place and back", async () => {
 
   const time = await read(page, (t) => t.snapshot!.time);
   await page.getByRole("button", { name: "One step (.)" }).click();
-  await page.waitForTimeout(300);
+  await expect.poll(() => read(page, (t) => t.snapshot!.time), { timeout: 60_000 }).toBeGreaterThan(time);
   const step = await read(page, (t) => t.model!.time_step);
   expect((await read(page, (t) => t.snapshot!.time)) - time).toBeCloseTo(step, 6);
   // From the end it begins again.
