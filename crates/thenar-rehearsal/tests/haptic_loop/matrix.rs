@@ -35,11 +35,14 @@ const HANDS: [[f64; 3]; 8] = [
 /// Rate \[Hz\] and latency \[s\].
 const TRACKERS: [[f64; 2]; 4] = [[60.0, 0.0], [120.0, 0.0], [90.0, 0.02], [60.0, 0.05]];
 
+fn hands(scene: &str) -> usize {
+    scene.matches("[[hand]]").count()
+}
+
 /// Makes each hand of a scene the paper's, at 200 tetrahedra.
 fn small(scene: &str) -> Vec<String> {
-    let hands = scene.matches("[[hand]]").count();
     let of = |k: usize| [format!("hand.{k}.preset=paper"), format!("hand.{k}.tets=200")];
-    (0..hands).flat_map(of).collect()
+    (0..hands(scene)).flat_map(of).collect()
 }
 
 fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
@@ -108,8 +111,7 @@ fn every_hand_comes_to_rest() {
     let quick = |case: usize| MODES[case % MODES.len()] != LoopMode::SingleRate || case < table;
     // It also refuses more hands than one.
     let can = |case: &usize| {
-        let hands = SCENES[case / table].1.matches("[[hand]]").count();
-        hands == 1 || MODES[case % MODES.len()] != LoopMode::SingleRate
+        hands(SCENES[case / table].1) == 1 || MODES[case % MODES.len()] != LoopMode::SingleRate
     };
     let cases = (0..all).filter(can).filter(|case| match wanted.as_deref() {
         Some("all") => true,

@@ -21,7 +21,7 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
     /// The value of a key. One that is not kept is made; meanwhile nobody waits for a lock.
     ///
     /// # Errors
-    /// What `make` gives; errors are not kept.
+    /// Those of `make`, which are not kept.
     pub fn get_or_make<E>(
         &self,
         key: K,
