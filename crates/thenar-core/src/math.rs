@@ -1,5 +1,7 @@
 //! Small fixed-size linear algebra, all in f64.
 
+pub mod lanes;
+
 use nalgebra as na;
 
 /// A point or a vector in space.

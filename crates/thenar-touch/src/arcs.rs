@@ -27,6 +27,7 @@
 //! contacts are found on the tangents, from which bones that something holds go by little within a
 //! frame.
 
+use crate::lanes::{turn_by, turns_between};
 use crate::shared::SharedConstraints;
 use crate::turn::rotation_vector;
 use crate::{BoneFrame, RigidState};
@@ -55,33 +56,32 @@ struct Turn {
     /// Rotation vector, world, and no longer than [`FARTHEST`].
     whole: Vec3,
     by: Vec3,
-    /// Rotation of the bone in the frame, and turned by that.
-    from: Quat,
+    /// Rotation of the bone, turned by that.
     to: Quat,
     /// Part of second-order changes that counts: 1 up to [`FARTHEST`].
     part: f64,
 }
 
 impl Turn {
-    fn between(from: Quat, to: Quat) -> Self {
-        let whole = rotation_vector(&(to * from.inverse()));
-        let angle = whole.norm();
-        if angle <= FARTHEST {
-            return Self { whole, by: whole, from, to, part: 1.0 };
+    /// By the vector `whole` from one rotation to another.
+    fn new(whole: Vec3, from: &Quat, to: Quat) -> Self {
+        let square = whole.norm_squared();
+        if square <= FARTHEST * FARTHEST {
+            return Self { whole, by: whole, to, part: 1.0 };
         }
-        let part = FARTHEST / angle;
+        let part = FARTHEST / square.sqrt();
         if !part.is_finite() {
-            return Self { whole, by: Vec3::zeros(), from, to: from, part: 0.0 };
+            return Self { whole, by: Vec3::zeros(), to: *from, part: 0.0 };
         }
         let by = whole * part;
-        Self { whole, by, from, to: Quat::from_scaled_axis(by) * from, part: part * part }
+        Self { whole, by, to: Quat::from_scaled_axis(by) * from, part: part * part }
     }
 
-    /// Way of this arm's end, and how far that is from the tangent \[m\].
-    fn of_arm(&self, arm: &Vec3) -> [Vec3; 2] {
-        let was = self.from * arm;
+    /// Way of an arm's end, and how far that is from the tangent \[m\]; `arm` is in the bone, `was`
+    /// in the world before the turn.
+    fn of_arm(&self, arm: &Vec3, was: &Vec3) -> [Vec3; 2] {
         let way = self.to * arm - was;
-        [way, way - self.by.cross(&was)]
+        [way, way - self.by.cross(was)]
     }
 }
 
@@ -115,8 +115,18 @@ pub(crate) struct Arcs {
     /// Parents first, one for each child.
     joints: Vec<BoneJoint>,
     turns: Vec<Turn>,
+    /// Arms of each joint in parent and child, in the frame's rotations \[m\]; ways of their ends
+    /// with the turns, and how far these are from the tangents \[m\].
+    arms: Vec<[Vec3; 2]>,
+    ways: Vec<[[Vec3; 2]; 2]>,
     /// Turn from each bone to its target in the frame \[rad\].
     leads: Vec<Vec3>,
+    /// Force of each coupling in the frame \[N\].
+    pulls: Vec<Vec3>,
+    /// Turns of the bones, of the proxies since the frame, and from bones to proxies \[rad\].
+    wholes: Vec<Vec3>,
+    turned: Vec<Vec3>,
+    ahead: Vec<Vec3>,
     /// Offsets of bones from their tangents \[m\], and the velocities at which they leave them, or
     /// moved before \[m/s\].
     off: Vec<Vec3>,
@@ -133,8 +143,14 @@ impl Arcs {
         let none = vec![Vec3::zeros(); bones];
         Self {
             joints: Vec::with_capacity(bones),
-            turns: vec![Turn::between(Quat::identity(), Quat::identity()); bones],
+            turns: vec![Turn::new(Vec3::zeros(), &Quat::identity(), Quat::identity()); bones],
+            arms: Vec::with_capacity(bones),
+            ways: Vec::with_capacity(bones),
             leads: none.clone(),
+            pulls: none.clone(),
+            wholes: none.clone(),
+            turned: none.clone(),
+            ahead: none.clone(),
             off: none.clone(),
             leaving: none.clone(),
             forces: none.clone(),
@@ -142,10 +158,11 @@ impl Arcs {
         }
     }
 
-    /// Takes these joints. Of those between bones that there are, with the parent's number below
-    /// the child's, the first of each child counts.
+    /// Takes these joints from the next frame on. Of those between bones that there are, with the
+    /// parent's number below the child's, the first of each child counts.
     pub fn set_joints(&mut self, joints: impl IntoIterator<Item = BoneJoint>) {
         self.joints.clear();
+        self.arms.clear();
         for joint in joints {
             let tied = self.joints.iter().any(|other| other.child == joint.child);
             if joint.parent < joint.child && joint.child < self.turns.len() && !tied {
@@ -157,30 +174,46 @@ impl Arcs {
 
     /// Starts from a new frame.
     pub fn begin(&mut self, frame: &BoneFrame) {
-        let both = frame.bones.iter().zip(&frame.response.targets);
-        for (lead, (bone, target)) in self.leads.iter_mut().zip(both) {
-            *lead = between(target.pose_WB.rotation, bone.pose_WB.rotation);
+        let response = &frame.response;
+        let ends = frame.bones.iter().zip(&response.targets).zip(&response.springs);
+        let known = self.leads.iter_mut().zip(&mut self.pulls);
+        for ((lead, force), ((bone, target), spring)) in known.zip(ends) {
+            let turn = target.pose_WB.rotation * bone.pose_WB.rotation.inverse();
+            *lead = rotation_vector(&turn);
+            *force = pull(spring, target, &bone.pose_WB.position);
+        }
+        self.arms.clear();
+        let bones = &frame.bones;
+        if bones.len() == self.turns.len() {
+            self.arms.extend(self.joints.iter().map(|joint| {
+                let of = |bone: usize, arm: &Vec3| bones[bone].pose_WB.rotation * arm;
+                [of(joint.parent, &joint.at_parent), of(joint.child, &joint.at_child)]
+            }));
         }
     }
 
-    /// True if there are joints, and frame and lists are of the hand's size.
+    /// True if there are joints, a frame has begun with them, and frame and lists are of the hand's
+    /// size.
     fn fits(&self, frame: &BoneFrame, bones: usize) -> bool {
         let all = self.turns.len();
         let known = frame.bones.len() == all && frame.response.springs.len() == all;
-        !self.joints.is_empty() && known && bones == all
+        let begun = self.arms.len() == self.joints.len();
+        !self.joints.is_empty() && begun && known && bones == all
     }
 
-    /// Notes how bones at these rotations have turned, and how far they are from their tangents.
-    fn turn(&mut self, frame: &BoneFrame, rotations: impl Iterator<Item = Quat>) {
-        let both = frame.bones.iter().zip(rotations);
-        for (turn, (was, now)) in self.turns.iter_mut().zip(both) {
-            *turn = Turn::between(was.pose_WB.rotation, now);
+    /// Notes how bones at these rotations have turned, by `wholes` of at most half a turn, and how
+    /// far they are from their tangents.
+    fn turn(&mut self, frame: &BoneFrame, rotation: impl Fn(usize) -> Quat) {
+        for (i, (turn, whole)) in self.turns.iter_mut().zip(&self.wholes).enumerate() {
+            *turn = Turn::new(*whole, &frame.bones[i].pose_WB.rotation, rotation(i));
         }
         self.off.fill(Vec3::zeros());
-        for joint in &self.joints {
-            let [_, parent] = self.turns[joint.parent].of_arm(&joint.at_parent);
-            let [_, child] = self.turns[joint.child].of_arm(&joint.at_child);
-            let more = parent - child;
+        self.ways.clear();
+        for (joint, [of_parent, of_child]) in self.joints.iter().zip(&self.arms) {
+            let parent = self.turns[joint.parent].of_arm(&joint.at_parent, of_parent);
+            let child = self.turns[joint.child].of_arm(&joint.at_child, of_child);
+            self.ways.push([parent, child]);
+            let more = parent[1] - child[1];
             let more = if more.iter().all(|x| x.is_finite()) { more } else { Vec3::zeros() };
             self.off[joint.child] = self.off[joint.parent] + more;
         }
@@ -199,31 +232,29 @@ impl Arcs {
             shared.straighten();
             return;
         }
-        self.turn(frame, settled.iter().map(|bone| bone.pose_WB.rotation));
         let response = &frame.response;
+        let now = |i: usize| settled[i].pose_WB.rotation;
+        let proxy = |i: usize| proxies[i].pose_WB.rotation;
+        turns_between(|i| [now(i), frame.bones[i].pose_WB.rotation], &mut self.wholes);
+        turns_between(|i| [proxy(i), response.targets[i].pose_WB.rotation], &mut self.turned);
+        turns_between(|i| [proxy(i), now(i)], &mut self.ahead);
+        self.turn(frame, now);
         let balanced = shared.bears(response);
         for (i, (bone, force)) in settled.iter().zip(&mut self.forces).enumerate() {
-            *force = bone.pull_W;
-            if balanced {
-                *force -= pull(&response.springs[i], &response.targets[i], &frame.bones[i]);
-            }
+            *force = if balanced { bone.pull_W - self.pulls[i] } else { bone.pull_W };
         }
         self.torques.fill(Vec3::zeros());
-        for joint in self.joints.iter().rev() {
+        for (joint, [[parent, _], [child, _]]) in self.joints.iter().zip(&self.ways).rev() {
             let force = self.forces[joint.child];
-            let [parent, _] = self.turns[joint.parent].of_arm(&joint.at_parent);
-            let [child, _] = self.turns[joint.child].of_arm(&joint.at_child);
             self.torques[joint.parent] += parent.cross(&force);
             self.torques[joint.child] -= child.cross(&force);
             self.forces[joint.parent] += force;
         }
-        for (i, proxy) in proxies.iter().enumerate() {
-            let target = response.targets[i].pose_WB.rotation;
-            let [proxy, now] = [proxy.pose_WB.rotation, settled[i].pose_WB.rotation];
-            let turned = between(proxy, target);
+        for (i, spring) in response.springs.iter().enumerate() {
+            let turned = self.turned[i];
             let linear = self.leads[i] + turned - self.turns[i].whole;
-            let more = (between(proxy, now) - linear) * self.turns[i].part;
-            let torque = self.torques[i] + more * response.springs[i].angular_stiffness;
+            let more = (self.ahead[i] - linear) * self.turns[i].part;
+            let torque = self.torques[i] + more * spring.angular_stiffness;
             let sound = torque.iter().all(|x| x.is_finite());
             let torque = if sound { torque } else { Vec3::zeros() };
             shared.bend(i, self.off[i], torque, turned);
@@ -241,29 +272,28 @@ impl Arcs {
         bones: &mut [RigidState],
     ) {
         let fits = self.fits(frame, bones.len());
-        for (i, (bone, of_frame)) in bones.iter_mut().zip(&frame.bones).enumerate() {
-            if let Some(before) = self.leaving.get_mut(i) {
-                *before = bone.velocity_W;
-            }
-            *bone = shared.bone(i, of_frame);
+        for (before, bone) in self.leaving.iter_mut().zip(&*bones) {
+            *before = bone.velocity_W;
         }
+        shared.place(&frame.bones, bones);
         if fits {
-            self.turn(frame, bones.iter().map(|bone| bone.pose_WB.rotation));
+            self.wholes.iter_mut().enumerate().for_each(|(i, whole)| *whole = shared.turn(i));
+            self.turn(frame, |i| bones[i].pose_WB.rotation);
             for (i, (settled, bone)) in settled.iter_mut().zip(&*bones).enumerate() {
                 let position = bone.pose_WB.position + self.off[i];
                 let on_arc = Pose::new(position, bone.pose_WB.rotation);
                 let spring = &frame.response.springs[i];
-                let pull_W = pull(spring, &proxies[i], &RigidState::at_rest(on_arc));
+                let pull_W = pull(spring, &proxies[i], &position);
                 settled.follow(&on_arc, &pull_W);
             }
         }
-        for bone in &mut *bones {
-            bone.pose_WB = bone.pose_after(h);
-        }
+        move_on(bones, h);
         if !fits {
             return;
         }
-        self.turn(frame, bones.iter().map(|bone| bone.pose_WB.rotation));
+        let now = |i: usize| bones[i].pose_WB.rotation;
+        turns_between(|i| [now(i), frame.bones[i].pose_WB.rotation], &mut self.wholes);
+        self.turn(frame, now);
         // The first tick of a frame knows no velocities of its own: that of the last tick goes on.
         let is_rated = shared.is_rated();
         if is_rated {
@@ -278,30 +308,31 @@ impl Arcs {
 
     /// Finds how fast bones with these velocities on their tangents leave them.
     fn leave(&mut self, bones: &[RigidState]) {
-        let leaves = |turn: &Turn, bone: &RigidState, arm: &Vec3| {
-            let [way, _] = turn.of_arm(arm);
-            let leaves = bone.angular_velocity_W.cross(&way);
-            let counts = turn.part == 1.0 && leaves.iter().all(|x| x.is_finite());
+        let leaves = |bone: usize, way: &Vec3| {
+            let leaves = bones[bone].angular_velocity_W.cross(way);
+            let counts = self.turns[bone].part == 1.0 && leaves.iter().all(|x| x.is_finite());
             if counts { leaves } else { Vec3::zeros() }
         };
         self.leaving.fill(Vec3::zeros());
-        for joint in &self.joints {
-            let parent = leaves(&self.turns[joint.parent], &bones[joint.parent], &joint.at_parent);
-            let child = leaves(&self.turns[joint.child], &bones[joint.child], &joint.at_child);
-            self.leaving[joint.child] = self.leaving[joint.parent] + parent - child;
+        for (joint, [[parent, _], [child, _]]) in self.joints.iter().zip(&self.ways) {
+            let more = leaves(joint.parent, parent) - leaves(joint.child, child);
+            self.leaving[joint.child] = self.leaving[joint.parent] + more;
         }
     }
 }
 
-/// Turn from one rotation to another, world \[rad\].
-fn between(to: Quat, from: Quat) -> Vec3 {
-    rotation_vector(&(to * from.inverse()))
+/// Moves bones on for `h` \[s\] at their velocities.
+fn move_on(bones: &mut [RigidState], h: f64) {
+    turn_by(bones, |_, bone| (bone.angular_velocity_W * h, bone.pose_WB.rotation));
+    for bone in bones {
+        bone.pose_WB.position += bone.velocity_W * h;
+    }
 }
 
-/// Force with which a coupling to this proxy pulls at a bone \[N\]; none where the proxy is not
-/// finite.
-fn pull(spring: &Drive, proxy: &RigidState, bone: &RigidState) -> Vec3 {
-    let way = proxy.pose_WB.position - bone.pose_WB.position;
+/// Force with which a coupling to this proxy pulls at a bone at this place \[N\]; none where the
+/// proxy is not finite.
+fn pull(spring: &Drive, proxy: &RigidState, bone: &Vec3) -> Vec3 {
+    let way = proxy.pose_WB.position - bone;
     if proxy.is_finite() { way * spring.stiffness } else { Vec3::zeros() }
 }
 

@@ -42,6 +42,7 @@ fn bent_at_joint(angle: f64) -> SharedConstraints {
     let mut settled = poses.map(Settled::at);
     settled[1].pull_W = Vec3::y();
     let mut shared = SharedConstraints::new(2, 0);
+    arcs.begin(&frame);
     arcs.bend(&frame, &poses.map(RigidState::at_rest), &settled, &mut shared);
     shared
 }
@@ -87,12 +88,20 @@ fn bad_input_bends_nothing() {
     assert_eq!(arcs.joints, [joint]);
     let poses = [Pose::identity(), turned_child(0.3)];
     let (proxies, settled) = (poses.map(RigidState::at_rest), poses.map(Settled::at));
+    let other = BoneFrame::new(&proxies[..1], 0);
+    let bent = |arcs: &mut Arcs, frame: &BoneFrame, proxies: &[RigidState]| {
+        let mut shared = bent_at_joint(0.3);
+        arcs.bend(frame, proxies, &settled, &mut shared);
+        shared.bent(1)
+    };
+    assert_eq!(bent(&mut arcs, &frame, &proxies), [Vec3::zeros(); 2], "no frame has begun");
+    arcs.begin(&frame);
+    assert_ne!(bent(&mut arcs, &frame, &proxies), [Vec3::zeros(); 2]);
+    assert_eq!(bent(&mut arcs, &frame, &proxies[..1]), [Vec3::zeros(); 2]);
+    assert_eq!(bent(&mut arcs, &other, &proxies), [Vec3::zeros(); 2]);
+    arcs.begin(&other);
+    assert_eq!(bent(&mut arcs, &frame, &proxies), [Vec3::zeros(); 2], "another hand's frame");
     let mut shared = bent_at_joint(0.3);
-    arcs.bend(&frame, &proxies[..1], &settled, &mut shared);
-    assert_eq!(shared.bent(1), [Vec3::zeros(); 2]);
-    shared = bent_at_joint(0.3);
-    arcs.bend(&BoneFrame::new(&proxies[..1], 0), &proxies, &settled, &mut shared);
-    assert_eq!(shared.bent(1), [Vec3::zeros(); 2]);
     let none = Quat::from_scaled_axis(Vec3::z() * f64::NAN);
     let lost = [poses[0], Pose::new(poses[1].position, none)];
     let mut nowhere = frame.clone();
@@ -131,6 +140,7 @@ fn what_contact_balanced_in_the_frame_has_no_lever() {
     let lever = (turned(0.2) * Vec3::x() - Vec3::x()) * -0.03;
     let (mut held, mut free) =
         (SharedConstraints::new(2, 1), SharedConstraints::in_empty_air(2, 1));
+    arcs.begin(&frame);
     for (shared, force) in [(&mut held, Vec3::y() * 0.5), (&mut free, Vec3::x() + Vec3::y() * 0.5)]
     {
         arcs.bend(&frame, &proxies, &settled, shared);

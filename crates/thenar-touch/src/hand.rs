@@ -189,9 +189,9 @@ impl HapticHand {
         })
     }
 
-    /// Keeps these joints closed where bones turn between two frames, by up to half a radian. A
-    /// joint whose parent's number is not below its child's is passed over, as is one of a bone
-    /// that the hand lacks; of several to one child the first counts.
+    /// Keeps these joints closed where bones turn between two frames, by up to half a radian, from
+    /// the next frame on. A joint whose parent's number is not below its child's is passed over, as
+    /// is one of a bone that the hand lacks; of several to one child the first counts.
     pub fn set_joints(&mut self, joints: impl IntoIterator<Item = BoneJoint>) {
         self.arcs.set_joints(joints);
     }

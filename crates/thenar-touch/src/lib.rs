@@ -68,6 +68,7 @@ mod empty_air;
 mod felt;
 mod hand;
 pub mod haptic_loop;
+mod lanes;
 mod late_frames;
 mod led_hand;
 mod output;

@@ -18,8 +18,13 @@
 //! direction of turn at exactly half a turn, where both are equally short.
 
 use crate::RigidState;
-use crate::turn::rotation_vector;
-use thenar_core::math::{Mat3, Quat, Vec3, skew};
+use crate::lanes::{
+    Quatx8, inverse, lane, load, normalized, numbers, product, quaternion, rotate,
+    rotation_vectors, rotations,
+};
+use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
+use thenar_core::math::lanes::{LANES, Vec3x8, cross, dot, three};
+use thenar_core::math::{Mat3, Vec3};
 use thenar_core::model::Drive;
 
 /// One proxy bone: constant.
@@ -138,22 +143,38 @@ impl Proxies {
         if !(h > 0.0 && h.is_finite()) {
             return report;
         }
-        let ends = tracked.iter().zip(bones);
-        for (i, (proxy, (tracked, bone))) in self.proxies.iter().zip(ends).enumerate() {
-            let tracked = Some(tracked).filter(|end| end.is_finite());
-            let bone = Some(bone).filter(|end| end.is_finite());
-            report.bad_tracked += u32::from(tracked.is_none());
-            report.bad_bones += u32::from(bone.is_none());
-            let mut stepped = proxy.step(h, &self.states[i], tracked, bone);
-            if !stepped.is_sensible() {
-                report.restarted += 1;
-                let near = tracked.or(bone).filter(|end| is_sensible(end));
-                let pose = near.map_or(thenar_core::Pose::identity(), |end| end.pose_WB);
-                stepped = ProxyStep::at_rest(RigidState::at_rest(pose));
+        let n = self.proxies.len().min(tracked.len()).min(bones.len());
+        for first in (0..n).step_by(LANES) {
+            let some = first..n.min(first + LANES);
+            let states = &mut self.states[some.clone()];
+            let ends = [&tracked[some.clone()], &bones[some.clone()]];
+            let mut usable = [[false; LANES]; 2];
+            let mut held = [None; LANES];
+            for (lane, state) in states.iter().enumerate() {
+                let both = ends.map(|ends| ends[lane].is_finite());
+                (usable[0][lane], usable[1][lane]) = (both[0], both[1]);
+                report.bad_tracked += u32::from(!both[0]);
+                report.bad_bones += u32::from(!both[1]);
+                if both == [false; 2] {
+                    held[lane] = Some(RigidState::at_rest(state.pose_WB));
+                }
             }
-            self.states[i] = stepped.state;
-            self.device_wrenches[i] = stepped.device_wrench;
-            self.bone_wrenches[i] = stepped.bone_wrench;
+            let eight = Eight { proxies: &self.proxies[some.clone()], ends, usable: &usable };
+            let wrenches =
+                [&mut self.device_wrenches[some.clone()], &mut self.bone_wrenches[some.clone()]];
+            dispatch!(Level::new(), simd => eight.step(simd, h, states, wrenches));
+            for (lane, i) in some.enumerate() {
+                if let Some(held) = held[lane] {
+                    self.place(i, held);
+                }
+                if !is_sensible(&self.states[i]) {
+                    report.restarted += 1;
+                    let near = [&tracked[i], &bones[i]].into_iter().find(|end| end.is_finite());
+                    let near = near.filter(|end| is_sensible(end));
+                    let pose = near.map_or(thenar_core::Pose::identity(), |end| end.pose_WB);
+                    self.place(i, RigidState::at_rest(pose));
+                }
+            }
         }
         report
     }
@@ -174,23 +195,6 @@ impl Proxies {
     }
 }
 
-/// A proxy after a step and what its couplings did.
-struct ProxyStep {
-    state: RigidState,
-    device_wrench: [Vec3; 2],
-    bone_wrench: [Vec3; 2],
-}
-
-impl ProxyStep {
-    fn at_rest(state: RigidState) -> Self {
-        Self { state, device_wrench: [Vec3::zeros(); 2], bone_wrench: [Vec3::zeros(); 2] }
-    }
-
-    fn is_sensible(&self) -> bool {
-        is_sensible(&self.state)
-    }
-}
-
 /// Neither NaN, nor infinite, nor beyond reach.
 fn is_sensible(state: &RigidState) -> bool {
     let largest = |v: &Vec3| v.x.abs() + v.y.abs() + v.z.abs();
@@ -202,77 +206,220 @@ fn is_sensible(state: &RigidState) -> bool {
         && state.pose_WB.rotation.coords.iter().all(|x| x.is_finite())
 }
 
-impl Proxy {
-    /// Backward Euler, forces linearised once (Eq. 4):
-    /// linear `(m + h c + h² k) v = m v₀ + h Σ (k (x_t - x₀) + c v_t)`;
-    /// angular, in B, `(I - h [I ω₀]× + h c + h² k) ω = I ω₀ + h Σ (k φ_t + c ω_t)`,
-    /// where the gyroscopic term is taken as `ω × I ω₀`, which does no work.
-    fn step(
-        &self,
-        h: f64,
-        state: &RigidState,
-        tracked: Option<&RigidState>,
-        bone: Option<&RigidState>,
-    ) -> ProxyStep {
-        let rotation = &state.pose_WB.rotation;
-        let ends = [(&self.device, tracked), (&self.bone, bone)];
-        if tracked.is_none() && bone.is_none() {
-            return ProxyStep::at_rest(RigidState::at_rest(state.pose_WB));
-        }
-        let spin_B = rotation.inverse_transform_vector(&state.angular_velocity_W);
-        let momentum_B = self.inertia_B * spin_B;
+/// State in each lane: position and velocity \[m, m/s\], rotation and angular velocity \[rad/s\].
+struct Statex8<S: Simd> {
+    position: Vec3x8<S>,
+    rotation: Quatx8<S>,
+    velocity: Vec3x8<S>,
+    spin: Vec3x8<S>,
+}
 
-        // What both couplings add: force and torque (in B) before the step, and their resistance.
-        let mut loads = [[Vec3::zeros(); 2]; 2];
-        let mut resist = [[0.0; 2]; 2];
-        for (i, (drive, end)) in ends.into_iter().enumerate() {
-            let Some(end) = end else { continue };
-            let offset = end.pose_WB.position - state.pose_WB.position;
-            let turn_B = rotation_vector(&(rotation.inverse() * end.pose_WB.rotation));
-            let rate_B = rotation.inverse_transform_vector(&end.angular_velocity_W);
-            loads[i] = [
-                offset * drive.stiffness + end.velocity_W * drive.damping,
-                turn_B * drive.angular_stiffness + rate_B * drive.angular_damping,
-            ];
-            resist[i] = [
-                drive.damping + h * drive.stiffness,
-                drive.angular_damping + h * drive.angular_stiffness,
-            ];
-        }
-
-        let linear = self.mass + h * (resist[0][0] + resist[1][0]);
-        let velocity_W = (state.velocity_W * self.mass + (loads[0][0] + loads[1][0]) * h) / linear;
-        let angular = self.inertia_B - skew(&momentum_B) * h
-            + Mat3::from_diagonal_element(h * (resist[0][1] + resist[1][1]));
-        let spin_B = solve3(&angular, &(momentum_B + (loads[0][1] + loads[1][1]) * h));
-
-        let turn = Quat::from_scaled_axis(spin_B * h);
-        let pose_WB = thenar_core::Pose::new(
-            state.pose_WB.position + velocity_W * h,
-            Quat::new_normalize((rotation * turn).into_inner()),
+impl<S: Simd> Statex8<S> {
+    #[inline(always)]
+    fn load<'a>(simd: S, bones: usize, of: impl Fn(usize) -> &'a RigidState) -> Self {
+        let [x, y, z, a, b, c, d, u, v, w, p, q, r] = load(
+            simd,
+            bones,
+            #[inline(always)]
+            |lane| {
+                let RigidState { pose_WB, velocity_W: v, angular_velocity_W: w } = of(lane);
+                let (x, [a, b, c, d]) = (&pose_WB.position, numbers(&pose_WB.rotation));
+                [x.x, x.y, x.z, a, b, c, d, v.x, v.y, v.z, w.x, w.y, w.z]
+            },
         );
-        // The wearer and the bone feel the opposite of what the couplings did to the proxy.
-        let reaction = |i: usize| {
-            [
-                velocity_W * resist[i][0] - loads[i][0],
-                rotation * (spin_B * resist[i][1] - loads[i][1]),
-            ]
-        };
-        ProxyStep {
-            state: RigidState { pose_WB, velocity_W, angular_velocity_W: rotation * spin_B },
-            device_wrench: reaction(0),
-            bone_wrench: reaction(1),
+        let (position, rotation) = ([x, y, z], [a, b, c, d]);
+        Self { position, rotation, velocity: [u, v, w], spin: [p, q, r] }
+    }
+
+    #[inline(always)]
+    fn of(&self, i: usize) -> RigidState {
+        let rotation = quaternion(lane(&self.rotation, i));
+        RigidState {
+            pose_WB: thenar_core::Pose::new(lane(&self.position, i).into(), rotation),
+            velocity_W: lane(&self.velocity, i).into(),
+            angular_velocity_W: lane(&self.spin, i).into(),
         }
     }
 }
 
-/// Solves `A x = b` by cofactors: A is definite plus antisymmetric, so its determinant is positive.
-fn solve3(a: &Mat3, b: &Vec3) -> Vec3 {
-    let (c0, c1, c2) =
-        (a.column(0).into_owned(), a.column(1).into_owned(), a.column(2).into_owned());
-    let n0 = c1.cross(&c2);
-    let determinant = c0.dot(&n0);
-    Vec3::new(n0.dot(b), c2.cross(&c0).dot(b), c0.cross(&c1).dot(b)) / determinant
+/// Coupling in each lane: its force and its torque in the bone's axes before the step \[N,
+/// N m\], and its resistance to velocity \[N s/m, N m s\].
+struct Loadx8<S: Simd> {
+    force: Vec3x8<S>,
+    torque_B: Vec3x8<S>,
+    resists: f64x8<S>,
+    resists_turns: f64x8<S>,
+}
+
+impl<S: Simd> Loadx8<S> {
+    /// Between bones in these states and these ends.
+    #[inline(always)]
+    fn new(simd: S, h: f64, state: &Statex8<S>, end: &Statex8<S>, drive: [f64x8<S>; 4]) -> Self {
+        let [k, c, angular_k, angular_c] = drive;
+        let to_B = inverse(state.rotation);
+        let turn_B = rotation_vectors(simd, &product(&to_B, &end.rotation));
+        let rate_B = rotate(&to_B, &end.spin);
+        let force = three(
+            #[inline(always)]
+            |i| (end.position[i] - state.position[i]).mul_add(k, end.velocity[i] * c),
+        );
+        let torque_B = three(
+            #[inline(always)]
+            |i| turn_B[i].mul_add(angular_k, rate_B[i] * angular_c),
+        );
+        let (resists, resists_turns) = (k.mul_add(h, c), angular_k.mul_add(h, angular_c));
+        Self { force, torque_B, resists, resists_turns }
+    }
+
+    /// Force and torque of it on the other side \[N, N m\], once the bone has this velocity and, in
+    /// its own axes, this spin; `rotation` is that before the step.
+    #[inline(always)]
+    fn reaction(&self, v: &Vec3x8<S>, spin_B: &Vec3x8<S>, rotation: &Quatx8<S>) -> [Vec3x8<S>; 2] {
+        let force = three(
+            #[inline(always)]
+            |i| v[i].mul_sub(self.resists, self.force[i]),
+        );
+        let torque_B = three(
+            #[inline(always)]
+            |i| spin_B[i].mul_sub(self.resists_turns, self.torque_B[i]),
+        );
+        [force, rotate(rotation, &torque_B)]
+    }
+}
+
+/// Up to eight proxies, the ends of their couplings to hand and bones, and which of these are
+/// usable.
+struct Eight<'a> {
+    proxies: &'a [Proxy],
+    ends: [&'a [RigidState]; 2],
+    usable: &'a [[bool; LANES]; 2],
+}
+
+impl Eight<'_> {
+    /// Backward Euler, forces linearised once (Eq. 4):
+    /// linear `(m + h c + h² k) v = m v₀ + h Σ (k (x_t - x₀) + c v_t)`;
+    /// angular, in B, `(I - h [I ω₀]× + h c + h² k) ω = I ω₀ + h Σ (k φ_t + c ω_t)`,
+    /// where the gyroscopic term is taken as `ω × I ω₀`, which does no work.
+    #[inline(always)]
+    fn step<S: Simd>(
+        &self,
+        simd: S,
+        h: f64,
+        states: &mut [RigidState],
+        wrenches: [&mut [[Vec3; 2]]; 2],
+    ) {
+        let state = Statex8::load(
+            simd,
+            states.len(),
+            #[inline(always)]
+            |lane| &states[lane],
+        );
+        let device = self.load(simd, h, states, &state, 0);
+        let bone = self.load(simd, h, states, &state, 1);
+        let [mass, xx, yy, zz, xy, xz, yz] = load(
+            simd,
+            states.len(),
+            #[inline(always)]
+            |lane| {
+                let Proxy { mass, inertia_B: i, .. } = &self.proxies[lane];
+                [*mass, i.m11, i.m22, i.m33, i.m12, i.m13, i.m23]
+            },
+        );
+
+        let linear = (device.resists + bone.resists).mul_add(h, mass);
+        let velocity = three(
+            #[inline(always)]
+            |i| {
+                let pull = (device.force[i] + bone.force[i]) * h;
+                state.velocity[i].mul_add(mass, pull) / linear
+            },
+        );
+        let spin_B = rotate(&inverse(state.rotation), &state.spin);
+        let momentum_B =
+            [dot(&[xx, xy, xz], &spin_B), dot(&[xy, yy, yz], &spin_B), dot(&[xz, yz, zz], &spin_B)];
+        let resists = (device.resists_turns + bone.resists_turns) * h;
+        let [mx, my, mz] = momentum_B;
+        let (mx, my, mz) = (mx * h, my * h, mz * h);
+        let columns = [
+            [xx + resists, xy - mz, xz + my],
+            [xy + mz, yy + resists, yz - mx],
+            [xz - my, yz + mx, zz + resists],
+        ];
+        let turns = three(
+            #[inline(always)]
+            |i| (device.torque_B[i] + bone.torque_B[i]).mul_add(h, momentum_B[i]),
+        );
+        let spin_B = solve3(&columns, &turns);
+
+        let turn = rotations(simd, &[spin_B[0] * h, spin_B[1] * h, spin_B[2] * h]);
+        let position = three(
+            #[inline(always)]
+            |i| velocity[i].mul_add(h, state.position[i]),
+        );
+        let after = Statex8 {
+            position,
+            rotation: normalized(product(&state.rotation, &turn)),
+            velocity,
+            spin: rotate(&state.rotation, &spin_B),
+        };
+        let reactions = [
+            device.reaction(&velocity, &spin_B, &state.rotation),
+            bone.reaction(&velocity, &spin_B, &state.rotation),
+        ];
+        for (i, state) in states.iter_mut().enumerate() {
+            *state = after.of(i);
+        }
+        for (wrenches, [force, torque]) in wrenches.into_iter().zip(&reactions) {
+            for (i, wrench) in wrenches.iter_mut().enumerate() {
+                *wrench = [lane(force, i).into(), lane(torque, i).into()];
+            }
+        }
+    }
+
+    /// Loads by the couplings to the hand (0) or to the bones (1). An end that is not usable pulls
+    /// nothing.
+    #[inline(always)]
+    fn load<S: Simd>(
+        &self,
+        simd: S,
+        h: f64,
+        states: &[RigidState],
+        state: &Statex8<S>,
+        side: usize,
+    ) -> Loadx8<S> {
+        let (ends, usable) = (self.ends[side], &self.usable[side]);
+        let end = Statex8::load(
+            simd,
+            states.len(),
+            #[inline(always)]
+            |lane| if usable[lane] { &ends[lane] } else { &states[lane] },
+        );
+        let drive = load(
+            simd,
+            states.len(),
+            #[inline(always)]
+            |lane| {
+                let Proxy { device, bone, .. } = &self.proxies[lane];
+                let drive = [device, bone][side];
+                let Drive { stiffness, damping, angular_stiffness, angular_damping } = *drive;
+                let numbers = [stiffness, damping, angular_stiffness, angular_damping];
+                if usable[lane] { numbers } else { [0.0; 4] }
+            },
+        );
+        Loadx8::new(simd, h, state, &end, drive)
+    }
+}
+
+/// Solves `A x = b` by cofactors, A by columns: it is definite plus antisymmetric, so its
+/// determinant is positive.
+#[inline(always)]
+fn solve3<S: Simd>([a, b, c]: &[Vec3x8<S>; 3], right: &Vec3x8<S>) -> Vec3x8<S> {
+    let rows = [cross(b, c), cross(c, a), cross(a, b)];
+    let determinant = dot(a, &rows[0]);
+    three(
+        #[inline(always)]
+        |i| dot(&rows[i], right) / determinant,
+    )
 }
 
 fn check(index: usize, proxy: &Proxy) -> Result<(), ProxyError> {

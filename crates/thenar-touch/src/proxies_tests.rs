@@ -189,3 +189,71 @@ fn senseless_proxies_are_refused() {
     let bad = Proxy { device, ..good };
     assert_eq!(refused(bad), ProxyError::Coupling { proxy: 1, value: -1.0 });
 }
+
+/// A hand of eleven different bones: some turned far, some whose ends are not finite, one whose own
+/// state is none. Each goes as it does alone, to the bit, whatever its neighbours in the lanes do.
+#[test]
+fn each_of_many_proxies_goes_as_it_does_alone() {
+    let mut random = Random::new(31);
+    let mut any_state = |spread: f64| RigidState {
+        pose_WB: Pose::new(random.vector(0.1), random.rotation(spread)),
+        velocity_W: random.vector(0.5),
+        angular_velocity_W: random.vector(5.0),
+    };
+    let starts: Vec<_> = (0..11).map(|_| any_state(0.6)).collect();
+    let mut tracked: Vec<_> = (0..11).map(|_| any_state(0.6)).collect();
+    let mut bones: Vec<_> = (0..11).map(|_| any_state(0.6)).collect();
+    let nowhere = RigidState { velocity_W: Vec3::x() * f64::NAN, ..at(0.0) };
+    (tracked[1], bones[9]) = (nowhere, nowhere);
+    (tracked[4], bones[4]) = (nowhere, nowhere);
+    let mut random = Random::new(32);
+    let proxies: Vec<Proxy> = (0..11)
+        .map(|_| {
+            let turn = random.rotation(3.0).to_rotation_matrix().into_inner();
+            let moments = Mat3::from_diagonal(&Vec3::new(3e-7, 1e-7, 3.1e-7));
+            let inertia = turn * moments * turn.transpose();
+            let mut drive = || Drive {
+                stiffness: random.range(10.0, 1000.0),
+                damping: random.range(0.0, 2.0),
+                angular_stiffness: random.range(0.01, 1.0),
+                angular_damping: random.range(0.0, 1e-3),
+            };
+            let (device, bone) = (drive(), drive());
+            Proxy {
+                mass: random.range(1e-4, 0.1),
+                inertia_B: (inertia + inertia.transpose()) * 0.5,
+                device,
+                bone,
+            }
+        })
+        .collect();
+    let broken = RigidState { velocity_W: Vec3::y() * 1e9, ..starts[6] };
+    let mut all = Proxies::new(proxies.clone(), &starts).unwrap();
+    all.place(6, broken);
+    let mut alone: Vec<_> = (0..11)
+        .map(|i| {
+            let mut one = Proxies::new(vec![proxies[i]], &starts[i..=i]).unwrap();
+            if i == 6 {
+                one.place(0, broken);
+            }
+            one
+        })
+        .collect();
+    for tick in 0..5 {
+        let report = all.step(1e-3, &tracked, &bones);
+        let mut sum = [0; 3];
+        for (i, one) in alone.iter_mut().enumerate() {
+            let own = one.step(1e-3, &tracked[i..=i], &bones[i..=i]);
+            sum[0] += own.bad_tracked;
+            sum[1] += own.bad_bones;
+            sum[2] += own.restarted;
+            assert_eq!(all.states()[i], one.states()[0], "{i} in tick {tick}");
+            assert_eq!(all.device_wrenches()[i], one.device_wrenches()[0], "{i} in tick {tick}");
+            assert_eq!(all.bone_wrenches()[i], one.bone_wrenches()[0], "{i} in tick {tick}");
+        }
+        assert_eq!([report.bad_tracked, report.bad_bones, report.restarted], sum);
+        assert_eq!(sum, [2, 2, u32::from(tick == 0)]);
+        // Without both ends it stays where it is, to the bit.
+        assert_eq!(all.states()[4], RigidState::at_rest(starts[4].pose_WB));
+    }
+}

@@ -1,4 +1,5 @@
-//! Turns as rotation vectors, some hundreds of which a tick needs, nearly all of them small.
+//! Turns as rotation vectors, nearly all of them small; those of all bones at once are in
+//! `lanes`.
 
 use thenar_core::math::{Quat, Vec3};
 

@@ -217,6 +217,18 @@ impl Condensed {
         dispatch!(Level::new(), simd => vectors::dot(simd, row, x))
     }
 
+    /// The three rows of `J C` of contact `i` times `x`, 6n numbers: as
+    /// [`Self::lift_row_times`] of each.
+    pub fn lift_times(&self, i: usize, x: &[f64]) -> Vec3 {
+        let n = 6 * self.bones;
+        let (first, others) = self.lift[3 * i * n..][..3 * n].split_at(n);
+        let (second, third) = others.split_at(n);
+        dispatch!(Level::new(), simd => {
+            let normal = vectors::dot(simd, first, x);
+            Vec3::new(normal, vectors::dot(simd, second, x), vectors::dot(simd, third, x))
+        })
+    }
+
     /// Adds to the displacements `q` of the bones, 6n, what a force of 1 N along row `row` times
     /// `force` \[N\] moves them by.
     pub fn add_lifted(&self, row: usize, force: f64, q: &mut [f64]) {
@@ -237,17 +249,18 @@ impl Condensed {
         let (first, others) = self.delassus[3 * i * m..][..3 * m].split_at(m);
         let (second, third) = others.split_at(m);
         let values = &mut vectors::flat_mut(values)[..m];
-        dispatch!(Level::new(), _simd => {
-            for k in 0..m {
-                values[k] += first[k] * change.x + second[k] * change.y + third[k] * change.z;
-            }
+        dispatch!(Level::new(), simd => {
+            vectors::add_three(simd, values, (*change).into(), [first, second, third])
         });
     }
 
     /// Own response of contact `i` \[m/N\].
     pub fn block(&self, i: usize) -> Mat3 {
         let m = 3 * self.contacts.len();
-        Mat3::from_fn(|r, c| self.delassus[(3 * i + r) * m + 3 * i + c])
+        let row =
+            |r: usize| Vec3::from_column_slice(&self.delassus[(3 * i + r) * m + 3 * i..][..3]);
+        // B is symmetric: its rows are its columns.
+        Mat3::from_columns(&[row(0), row(1), row(2)])
     }
 
     fn arrays(&mut self) -> [&mut Vec<f64>; 7] {
@@ -301,6 +314,28 @@ mod tests {
     use super::*;
     use crate::random::Random;
     use nalgebra::{DMatrix, DVector};
+
+    /// Rows of `J C` times a list are those of three single products, in lists shorter and longer
+    /// than a vector.
+    #[test]
+    fn three_rows_at_once_are_each_of_them() {
+        let mut random = Random::new(4);
+        for bones in [1, 3, 16] {
+            let n = 6 * bones;
+            let mut frame = Condensed::new(bones, 2);
+            frame.lift = (0..6 * n).map(|_| random.range(-1.0, 1.0)).collect();
+            let x: Vec<f64> = (0..n).map(|_| random.range(-1.0, 1.0)).collect();
+            for i in 0..2 {
+                let each = Vec3::from_fn(|r, _| frame.lift_row_times(3 * i + r, &x));
+                assert_eq!(frame.lift_times(i, &x), each);
+                let plain = |r: usize| {
+                    let row = &frame.lift[(3 * i + r) * n..][..n];
+                    row.iter().zip(&x).map(|(a, b)| a * b).sum::<f64>()
+                };
+                assert!((each - Vec3::from_fn(|r, _| plain(r))).norm() < 1e-13, "{each}");
+            }
+        }
+    }
 
     /// The change of all values under one contact's force is its column of `J C Jᵀ + W`.
     #[test]

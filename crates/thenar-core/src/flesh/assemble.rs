@@ -1,12 +1,13 @@
 //! Eq. 5: `A_f = M_f + Δt D_f + Δt² K_f` and `b_f = M_f v_0 + Δt F_f`, over all deformable bodies.
 
-use crate::flesh::lanes::{Kind, LANES, RestLanes};
+use crate::flesh::lanes::{Kind, RestLanes};
 use crate::flesh::living::Living;
 use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
 use crate::flesh::{
     Membranes, PAIRS, Patches, Response, RestTet, eight, eight_principal, foresight, respond,
 };
 use crate::math::Vec3;
+use crate::math::lanes::LANES;
 use crate::solver::BlockMatrix;
 use fearless_simd::{Level, Simd, dispatch};
 use std::ops::Range;

@@ -1,11 +1,10 @@
 //! The corotational response of eight elements at once, and its sum into the system.
 
 use crate::flesh::Tally;
-use crate::flesh::lanes::{
-    LANES, Mat3x8, RestLanes, Vec3x8, cofactors, dot, entries, three, times, transposed,
-};
+use crate::flesh::lanes::{Mat3x8, RestLanes, cofactors, entries, times, transposed};
 use crate::flesh::rotations::rotations;
 use crate::math::Vec3;
+use crate::math::lanes::{LANES, Vec3x8, dot, three};
 use crate::solver::BlockMatrix;
 use fearless_simd::{Simd, f64x8, prelude::*};
 

@@ -3,10 +3,11 @@
 
 use crate::flesh::eight::{dealt, minus_sum};
 use crate::flesh::element::positive_part;
-use crate::flesh::lanes::{LANES, Mat3x8, RestLanes, Vec3x8, dot, entries, three, times};
+use crate::flesh::lanes::{Mat3x8, RestLanes, entries, times};
 use crate::flesh::principal_lanes::{PrincipalResponse, density};
 use crate::flesh::rotations::rotations;
 use crate::flesh::{PAIRS, Tally};
+use crate::math::lanes::{LANES, Vec3x8, dot, three};
 use crate::math::{Mat3, Vec3};
 use crate::solver::BlockMatrix;
 use fearless_simd::{Simd, f64x8, prelude::*};

@@ -1,22 +1,15 @@
-//! Eight tetrahedra side by side: one number of each in the eight lanes of a vector.
-//!
-//! Closures over vectors are marked `#[inline(always)]` and go to functions that are too: one that
-//! the compiler keeps apart is compiled without the vector instructions. `map` and `from_fn` of
-//! arrays and adaptors of iterators are not such functions; [`three`] and loops take their place.
+//! Eight tetrahedra side by side: one number of each in the eight lanes of a vector
+//! ([`crate::math::lanes`]).
 
 use crate::flesh::RestTet;
 use crate::flesh::ogden::power_end;
 use crate::math::Vec3;
+use crate::math::lanes::{LANES, Vec3x8, cross, dot, three};
 use crate::model::Law;
 use fearless_simd::{Simd, f64x8, prelude::*};
 
-/// Elements that are evaluated together.
-pub const LANES: usize = 8;
-
 /// A 3×3 matrix in each lane, column-major.
 pub type Mat3x8<S> = [f64x8<S>; 9];
-/// A vector in each lane.
-pub type Vec3x8<S> = [f64x8<S>; 3];
 
 /// Rest shapes and materials of eight elements; the last is repeated where there are fewer.
 #[derive(Clone, Debug)]
@@ -148,32 +141,10 @@ impl RestLanes {
     }
 }
 
-/// Three of something.
-#[inline(always)]
-pub fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
-    [f(0), f(1), f(2)]
-}
-
 /// A matrix from its entries (row, column).
 #[inline(always)]
 pub fn entries<S: Simd>(f: impl Fn(usize, usize) -> f64x8<S>) -> Mat3x8<S> {
     [f(0, 0), f(1, 0), f(2, 0), f(0, 1), f(1, 1), f(2, 1), f(0, 2), f(1, 2), f(2, 2)]
-}
-
-/// Scalar product.
-#[inline(always)]
-pub fn dot<S: Simd>(a: &[f64x8<S>], b: &[f64x8<S>]) -> f64x8<S> {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-/// Cross product.
-#[inline(always)]
-fn cross<S: Simd>(a: &[f64x8<S>], b: &[f64x8<S>]) -> Vec3x8<S> {
-    [
-        a[1].mul_sub(b[2], a[2] * b[1]),
-        a[2].mul_sub(b[0], a[0] * b[2]),
-        a[0].mul_sub(b[1], a[1] * b[0]),
-    ]
 }
 
 /// The cofactor matrix, `det(M) M⁻ᵀ`.

@@ -19,11 +19,11 @@
 
 use crate::flesh::element::{Response, stress};
 use crate::flesh::foresight::{asked, element_foresaw, element_surprise, is_seen};
-use crate::flesh::lanes::LANES;
 use crate::flesh::living::Living;
 use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
 use crate::flesh::patch_lanes::{self, PatchLanes};
 use crate::flesh::{PAIRS, RestTet, Tally, respond};
+use crate::math::lanes::LANES;
 use crate::math::{Mat3, Vec3};
 use crate::model::{Law, Relaxation};
 use crate::solver::BlockMatrix;

@@ -6,9 +6,10 @@
 
 use crate::flesh::Tally;
 use crate::flesh::eight::{dealt, inner};
-use crate::flesh::lanes::{LANES, Mat3x8, Vec3x8, dot, entries, three, times};
+use crate::flesh::lanes::{Mat3x8, entries, times};
 use crate::flesh::rotations::rotations;
 use crate::math::Vec3;
+use crate::math::lanes::{LANES, Vec3x8, dot, three};
 use crate::solver::BlockMatrix;
 use fearless_simd::{Simd, f64x8, prelude::*};
 

@@ -1,8 +1,9 @@
 //! Laws in principal stretches (`principal`, `ogden`) of eight elements at once.
 
-use crate::flesh::lanes::{Kind, LANES, RestLanes, Vec3x8, dot, three};
+use crate::flesh::lanes::{Kind, RestLanes};
 use crate::flesh::ogden::{power, volume_factor};
 use crate::flesh::principal::STRETCH_MIN;
+use crate::math::lanes::{LANES, Vec3x8, dot, three};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 /// A law at its stretches. What belongs to a pair of axes has the index of the third.

@@ -18,9 +18,10 @@
 //! where the bracket has the eigenvalues (σᵢ+σⱼ)(σᵢ+σₖ). No start value is kept from step to step,
 //! so that a state alone determines what follows.
 
-use crate::flesh::lanes::{LANES, Mat3x8, Vec3x8, cofactors, dot, entries};
+use crate::flesh::lanes::{Mat3x8, cofactors, entries};
 use crate::flesh::polar::rotation_of;
 use crate::math::Mat3;
+use crate::math::lanes::{LANES, Vec3x8, dot};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 /// Most Newton steps; a rotation needs about four, a strongly inverted element twelve.

@@ -1,11 +1,12 @@
 //! Contact of one frame, resolved against the proxies of one haptic tick.
 
 use crate::RigidState;
-use crate::shared::values::{Acting, Values};
+use crate::lanes::turn_by;
+use crate::shared::values::Values;
 use crate::shared::{Condensed, CondensedContact};
 use crate::turn::rotation_vector;
 use thenar_core::kernels::project;
-use thenar_core::math::{Pose, Quat, Vec3};
+use thenar_core::math::Vec3;
 use thenar_core::model::Cone;
 
 /// Contact forces, where contacts stick, and how far the bones have moved since the frame.
@@ -122,7 +123,7 @@ impl SharedConstraints {
         self.pull(frame, proxies);
         let Self { values, load, forces, empty_air, .. } = self;
         let acts = |i: usize| !*empty_air || frame.is_limit(i);
-        values.measure(frame, &Acting { load, forces }, acts);
+        values.measure(frame, load, forces, acts);
         let mut resolution = Resolution::default();
         while resolution.sweeps < sweeps_max {
             resolution.sweeps += 1;
@@ -131,23 +132,27 @@ impl SharedConstraints {
                 break;
             }
         }
-        let Self { values, load, forces, .. } = self;
-        values.settle(&Acting { load, forces });
+        self.values.settle(&self.load);
         self.follow(frame, h);
         resolution.active = self.forces.iter().filter(|f| f.x > 0.0).count() as u32;
         resolution
     }
 
-    /// Bone `i` now: the frame's, displaced.
-    pub fn bone(&self, i: usize, frame: &RigidState) -> RigidState {
+    /// Puts `bones` where they are now: the frame's, displaced.
+    pub fn place(&self, frame: &[RigidState], bones: &mut [RigidState]) {
         let part = |q: &[f64], k: usize| Vec3::new(q[k], q[k + 1], q[k + 2]);
-        let (linear, angular) = (part(&self.moved, 6 * i), part(&self.moved, 6 * i + 3));
-        let turned = Quat::from_scaled_axis(angular) * frame.pose_WB.rotation;
-        RigidState {
-            pose_WB: Pose::new(frame.pose_WB.position + linear, turned),
-            velocity_W: part(&self.rates, 6 * i),
-            angular_velocity_W: part(&self.rates, 6 * i + 3),
+        for (i, (bone, of_frame)) in bones.iter_mut().zip(frame).enumerate() {
+            bone.pose_WB.position = of_frame.pose_WB.position + part(&self.moved, 6 * i);
+            bone.velocity_W = part(&self.rates, 6 * i);
+            bone.angular_velocity_W = part(&self.rates, 6 * i + 3);
         }
+        let all = bones.len().min(frame.len());
+        turn_by(&mut bones[..all], |i, _| (self.turn(i), frame[i].pose_WB.rotation));
+    }
+
+    /// Turn of bone `i` since the frame, world \[rad\].
+    pub fn turn(&self, i: usize) -> Vec3 {
+        Vec3::from_column_slice(&self.moved[6 * i + 3..6 * i + 6])
     }
 
     /// Says what the linear response does not know of a bone that has turned: how far it is off its

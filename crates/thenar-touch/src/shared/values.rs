@@ -6,7 +6,7 @@
 //! along its normal, and what closes, or bears force, along its tangents too. A contact that closes
 //! sticks from where it was in the tick before, which is worked out then.
 
-use super::{Condensed, CondensedContact};
+use super::Condensed;
 use thenar_core::math::Vec3;
 
 /// Beyond the bound by this part of it is beyond it for certain.
@@ -23,19 +23,16 @@ enum KnownParts {
     All,
 }
 
-/// Loads on the bones in a tick, and forces of the contacts at its beginning or end.
-pub(super) struct Acting<'a> {
-    /// Wrenches on the bones \[N, N m\].
-    pub load: &'a [f64],
-    /// Forces in the contact frames \[N\].
-    pub forces: &'a [Vec3],
-}
-
 /// Values of all contacts of a frame.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Values {
-    /// Contact values, as far as they are known \[m\].
+    /// Contact values under those of the frame's forces that act here, as far as they are known
+    /// \[m\].
     d: Vec<Vec3>,
+    /// Changes of the values by all changes of forces since the frame \[m\], now and at the end of
+    /// the tick before.
+    answered: Vec<Vec3>,
+    answered_before: Vec<Vec3>,
     known: Vec<KnownParts>,
     /// By so much the normal part may be less \[m\].
     slack: Vec<f64>,
@@ -47,9 +44,8 @@ pub(super) struct Values {
     reach: Vec<[f64; 2]>,
     /// Values that the forces of contacts that do not act here would take away \[m\].
     missed: Vec<Vec3>,
-    /// Loads \[N, N m\] and forces \[N\] of the tick before.
+    /// Loads of the tick before \[N, N m\].
     load_before: Vec<f64>,
-    forces_before: Vec<Vec3>,
 }
 
 impl Values {
@@ -57,6 +53,8 @@ impl Values {
     pub fn new(bones: usize, contacts_max: usize) -> Self {
         Self {
             d: Vec::with_capacity(contacts_max),
+            answered: Vec::with_capacity(contacts_max),
+            answered_before: Vec::with_capacity(contacts_max),
             known: Vec::with_capacity(contacts_max),
             slack: Vec::with_capacity(contacts_max),
             anchors: Vec::with_capacity(contacts_max),
@@ -64,7 +62,6 @@ impl Values {
             reach: Vec::with_capacity(contacts_max),
             missed: Vec::with_capacity(contacts_max),
             load_before: vec![0.0; 6 * bones],
-            forces_before: Vec::with_capacity(contacts_max),
         }
     }
 
@@ -75,10 +72,10 @@ impl Values {
         self.anchors.resize(m, Vec3::zeros());
         self.open.clear();
         self.open.resize(m, false);
-        self.forces_before.clear();
-        self.forces_before.resize(m, Vec3::zeros());
-        self.missed.clear();
-        self.missed.resize(m, Vec3::zeros());
+        for values in [&mut self.answered, &mut self.answered_before, &mut self.missed] {
+            values.clear();
+            values.resize(m, Vec3::zeros());
+        }
         self.reach.clear();
         for (i, contact) in frame.contacts.iter().enumerate() {
             let row = frame.lift.get(3 * i * n..(3 * i + 1) * n).unwrap_or_default();
@@ -89,71 +86,73 @@ impl Values {
         }
     }
 
-    /// Values at the present forces, `d = d₀ + J C k δ + B (f - f₀)` from the anchors.
+    /// Values under these loads on the bones \[N, N m\] and the frame's forces, `d₀ + J C k δ` from
+    /// the anchors; those of contacts that bear force are worked out.
     pub fn measure(
         &mut self,
         frame: &Condensed,
-        acting: &Acting<'_>,
+        load: &[f64],
+        forces: &[Vec3],
         acts: impl Fn(usize) -> bool,
     ) {
-        let loads = lengths(acting.load);
+        let loads = lengths(load);
         self.d.clear();
         self.known.clear();
         self.slack.clear();
         for (i, contact) in frame.contacts.iter().enumerate() {
             let [force, torque] = self.reach[i];
             let slack = (force * loads[0] + torque * loads[1]) * (1.0 + ROUND_OFF);
-            let bears = acting.forces[i] != Vec3::zeros();
+            let bears = forces[i] != Vec3::zeros();
             let stays_open = contact.value.x > slack;
             self.d.push(Vec3::new(contact.value.x, 0.0, 0.0));
             self.known.push(KnownParts::Bound);
             self.slack.push(slack);
             if bears && acts(i) {
-                self.work_out(frame, acting.load, i);
+                self.work_out(frame, load, i);
             } else if acts(i) && !stays_open {
-                self.work_out_normal(frame, acting.load, i);
+                self.work_out_normal(frame, load, i);
             }
         }
         self.d.iter_mut().zip(&self.missed).for_each(|(d, missed)| *d += missed);
-        for (j, other) in frame.contacts.iter().enumerate().filter(|(j, _)| acts(*j)) {
-            let change = acting.forces[j] - other.force;
-            if change != Vec3::zeros() {
-                frame.add_response(j, &change, &mut self.d);
-            }
-        }
     }
 
     /// Adds what a `change` of the force of contact `i` \[N\] does to all values.
     pub fn add_response(&mut self, frame: &Condensed, i: usize, change: &Vec3) {
-        frame.add_response(i, change, &mut self.d);
+        frame.add_response(i, change, &mut self.answered);
+    }
+
+    /// Normal part of a value, as far as it is known \[m\].
+    fn normal(&self, i: usize) -> f64 {
+        self.d[i].x + self.answered[i].x
     }
 
     /// The value of contact `i`, which bears this force \[m\]; `None` while it is open and bears
     /// none.
     pub fn of(&mut self, frame: &Condensed, load: &[f64], i: usize, force: &Vec3) -> Option<Vec3> {
         if self.known[i] != KnownParts::All && *force == Vec3::zeros() {
-            if self.d[i].x > self.slack[i] {
+            if self.normal(i) > self.slack[i] {
                 return None;
             }
             self.work_out_normal(frame, load, i);
-            if self.d[i].x > 0.0 {
+            if self.normal(i) > 0.0 {
                 return None;
             }
         }
         self.work_out(frame, load, i);
-        Some(self.d[i])
+        Some(self.d[i] + self.answered[i])
     }
 
     /// Ends a tick: what slid or was open sticks, if it does, from where it is now.
-    pub fn settle(&mut self, acting: &Acting<'_>) {
+    pub fn settle(&mut self, load: &[f64]) {
         for i in 0..self.d.len() {
             self.open[i] = self.known[i] != KnownParts::All;
             if !self.open[i] {
-                self.anchors[i] += Vec3::new(0.0, self.d[i].y, self.d[i].z);
+                let value = self.d[i] + self.answered[i];
+                self.anchors[i] += Vec3::new(0.0, value.y, value.z);
             }
         }
-        self.load_before.copy_from_slice(acting.load);
-        self.forces_before.copy_from_slice(acting.forces);
+        self.load_before.copy_from_slice(load);
+        self.answered_before.copy_from_slice(&self.answered);
     }
 
     fn work_out_normal(&mut self, frame: &Condensed, load: &[f64], i: usize) {
@@ -164,34 +163,29 @@ impl Values {
     }
 
     fn work_out(&mut self, frame: &Condensed, load: &[f64], i: usize) {
-        self.work_out_normal(frame, load, i);
         if self.known[i] == KnownParts::All {
             return;
         }
-        self.known[i] = KnownParts::All;
         let contact = &frame.contacts[i];
         if contact.friction > 0.0 {
-            for r in [1, 2] {
-                if self.open[i] {
-                    self.anchors[i][r] = self.place_before(frame, contact, 3 * i + r);
-                }
-                let lift = frame.lift_row_times(3 * i + r, load);
-                self.d[i][r] += contact.value[r] + lift - self.anchors[i][r];
+            if self.open[i] {
+                self.anchors[i] = self.place_before(frame, i);
             }
+            let lift = frame.lift_times(i, load);
+            let place = contact.value + lift - self.anchors[i];
+            let normal = if self.known[i] == KnownParts::Bound { lift.x } else { 0.0 };
+            self.d[i] += Vec3::new(normal, place.y, place.z);
+        } else {
+            self.work_out_normal(frame, load, i);
         }
+        (self.known[i], self.slack[i]) = (KnownParts::All, 0.0);
     }
 
-    /// Place of a contact at the end of the tick before, along the tangent of this row \[m\].
-    fn place_before(&self, frame: &Condensed, contact: &CondensedContact, row: usize) -> f64 {
-        let m = 3 * frame.contacts.len();
-        let answers = frame.delassus[row * m..][..m].as_chunks::<3>().0;
-        let forces = self.forces_before.iter().zip(&frame.contacts);
-        let answered = answers
-            .iter()
-            .zip(forces)
-            .map(|(answer, (before, other))| Vec3::from(*answer).dot(&(before - other.force)));
-        let lift = frame.lift_row_times(row, &self.load_before);
-        contact.value[row % 3] + lift + answered.sum::<f64>()
+    /// Place of a contact at the end of the tick before, along its tangents \[m\].
+    fn place_before(&self, frame: &Condensed, i: usize) -> Vec3 {
+        let lift = frame.lift_times(i, &self.load_before);
+        let place = frame.contacts[i].value + lift + self.missed[i] + self.answered_before[i];
+        Vec3::new(0.0, place.y, place.z)
     }
 
     #[cfg(test)]

@@ -89,7 +89,9 @@ fn resolved(frame: &BoneFrame, proxies: &[RigidState]) -> ([Pose; 2], Vec3, u32)
     assert!(report.residual <= 1e-9, "{report:?}");
     let forces = shared.forces().iter().zip(&frame.response.contacts);
     let total = forces.map(|(f, contact)| contact.frame.tr_mul(f)).sum();
-    ([0, 1].map(|b| shared.bone(b, &frame.bones[b]).pose_WB), total, report.active)
+    let mut bones = frame.bones.clone();
+    shared.place(&frame.bones, &mut bones);
+    ([0, 1].map(|b| bones[b].pose_WB), total, report.active)
 }
 
 /// Movement of two poses \[m, rad\].

@@ -49,6 +49,23 @@ fn combine<S: Simd>(
     a.1.iter_mut().zip(b.1).for_each(|(a, b)| *a = one(*a, *b));
 }
 
+/// `a += Σ s b` of three.
+#[inline(always)]
+pub fn add_three<S: Simd>(simd: S, a: &mut [f64], s: [f64; 3], b: [&[f64]; 3]) {
+    let a = a.as_chunks_mut::<LANES>();
+    let (x, y, z) =
+        (b[0].as_chunks::<LANES>(), b[1].as_chunks::<LANES>(), b[2].as_chunks::<LANES>());
+    for (i, a) in a.0.iter_mut().enumerate() {
+        let sum = f64x8::load_array_ref(simd, a);
+        let sum = f64x8::load_array_ref(simd, &x.0[i]).mul_add(s[0], sum);
+        let sum = f64x8::load_array_ref(simd, &y.0[i]).mul_add(s[1], sum);
+        *a = f64x8::load_array_ref(simd, &z.0[i]).mul_add(s[2], sum).to_array();
+    }
+    for (i, a) in a.1.iter_mut().enumerate() {
+        *a += x.1[i] * s[0] + y.1[i] * s[1] + z.1[i] * s[2];
+    }
+}
+
 /// `a += s b`.
 #[inline(always)]
 pub fn add<S: Simd>(simd: S, a: &mut [f64], s: f64, b: &[f64]) {

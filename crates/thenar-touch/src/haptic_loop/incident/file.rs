@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Version of the format.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;
 const MARK: &[u8; 8] = b"THNTOUCH";
 /// Bytes before the content: mark, version, CRC-32 of the content.
 const HEAD: usize = 16;
