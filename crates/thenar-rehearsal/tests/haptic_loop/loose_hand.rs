@@ -87,8 +87,8 @@ fn moving_fingers_are_given_no_more_than_their_damping_takes_up() {
 /// they are nor by the rule.
 #[test]
 fn grasps_are_smooth_from_frame_to_frame() {
-    for (scene, until) in [(BREAD, 2.1), (CAR, 2.1)] {
-        let firm = held(until, [2.0, 10.0, 500.0], [1000.0, 0.0]);
+    for (scene, until, rate) in [(TABLE, 1.9, 1000.0), (BREAD, 2.1, 1000.0), (CAR, 2.1, 1000.0)] {
+        let firm = held(until, [2.0, 10.0, 500.0], [rate, 0.0]);
         let out = rehearsed(&Rehearsal { grip: None, after: 1.0, ..firm }, scene);
         let [most, step] = out.largest;
         println!("{most} N, by {step} N a tick");

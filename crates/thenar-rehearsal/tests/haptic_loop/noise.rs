@@ -50,6 +50,7 @@ const PRESSED: Hold = Hold {
     press: [0.0, 0.25, 0.25, 0.25, 0.25],
     fingers: [1, 2],
 };
+/// The thumb alone: the index finger barely touches.
 const PINCHED: Hold = Hold {
     name: "pinch",
     scene: PINCH,
@@ -214,7 +215,7 @@ fn noise_of_other_trackers_is_felt_as_little() {
         (PINCHED, LoopMode::Multirate, noisy(8, 20, 1.0)),
         (PRESSED, LoopMode::Shared, noisy(11, 0, 0.3)),
     ];
-    for (hold, mode, sight) in one_in(6, all) {
+    for (hold, mode, sight) in one_in(3, all) {
         let [mean, low, high] = felt(&hold, mode, &sight);
         // The longest memory is for 1 mm and 2 degrees every 11 ms.
         let part = sight.noise[0] / NOISE[0] * (sight.every as f64 / 11.0).sqrt();
