@@ -73,6 +73,34 @@ fn tendons_pull_what_they_are_told_within_their_rating() {
     bridge.released("the drop");
 }
 
+/// Nobody said which hand wears it, and both press in turn: the tendons pull no more than the hand
+/// that pressed first asks for, and a message says so.
+#[test]
+fn tendons_of_a_device_without_a_side_follow_one_hand() {
+    let bridge = Bridge::start(0);
+    let mut display = bridge.display();
+    let press = |side: Side, force: f64| HandOutput { side, ..output([force; 5]) };
+    wait("the right hand's pull", || {
+        display.show(&press(Side::Right, 3.0));
+        (bridge.unit.tendons().0 == [3.0; 5]).then_some(())
+    });
+    let told = wait("a message", || {
+        display.show(&press(Side::Right, 3.0));
+        display.show(&press(Side::Left, 5.0));
+        assert!(bridge.unit.tendons().0[0] <= 3.0, "{:?} N", bridge.unit.tendons());
+        display.messages().into_iter().find(|told| told.contains("the one that pressed first"))
+    });
+    assert!(told.contains("it holds one hand"), "{told}");
+    // A tenth of a second of both hands in turn; the tendons may fall slack where this test did not
+    // run for a while.
+    for _ in 0..100 {
+        display.show(&press(Side::Left, 5.0));
+        display.show(&press(Side::Right, 3.0));
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        assert!(bridge.unit.tendons().0[0] <= 3.0, "{:?} N", bridge.unit.tendons());
+    }
+}
+
 /// The unit hears of us a thousand times a second even when nothing changes; the bridge's own
 /// silence limit holds when the host is gone without a word.
 #[test]
