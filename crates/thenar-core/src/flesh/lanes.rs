@@ -4,7 +4,7 @@
 use crate::flesh::RestTet;
 use crate::flesh::ogden::power_end;
 use crate::math::Vec3;
-use crate::math::lanes::{LANES, Vec3x8, cross, dot, three};
+use crate::math::lanes::{LANES, Vec3x8, cross, three};
 use crate::model::Law;
 use fearless_simd::{Simd, f64x8, prelude::*};
 
