@@ -22,7 +22,7 @@ const SCENES: [(&str, &str, f64); 5] = [
     ("two hands", include_str!("../../../thenar-scene/scenes/two-hands.toml"), 2.1),
     (EMPTY_AIR, include_str!("../../../thenar-scene/scenes/free-motion.toml"), 0.5),
 ];
-/// Nothing touches there.
+/// Scene in which the hand touches nothing.
 const EMPTY_AIR: &str = "empty air";
 const MODES: [LoopMode; 3] = [LoopMode::Shared, LoopMode::Multirate, LoopMode::SingleRate];
 /// Mass \[kg\], damping \[N s/m\], stiffness \[N/m\].
